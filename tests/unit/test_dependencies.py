@@ -122,7 +122,7 @@ def test_a_reader_concerns_the_files_that_it_reads(package, monkeypatch, tmp_pat
 
     def of_files():
         forget()
-        for cached_function in (readers._digest, readers._all_readers, readers._noted):
+        for cached_function in (readers._digest, readers._all_readers, readers.noted):
             cached_function.cache_clear()
         return [readers.reader_digest(path) for path in ("map.npy", "map.txt")]
 

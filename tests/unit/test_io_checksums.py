@@ -11,13 +11,14 @@ from measured_files import GIVEN, array, refuses, saved
 
 from roughcontact import read_height_map
 from roughcontact.errors import InputFileError
-from roughcontact.io.checksums import _noted, checksum
+from roughcontact.io import notes
+from roughcontact.io.checksums import checksum
 from roughcontact.io.guards import file_state, sha256, unchanged
 
 
 @pytest.fixture
 def noted(tmp_path):
-    _noted.cache_clear()
+    notes.noted.cache_clear()
     return tmp_path / "noted"
 
 
@@ -29,7 +30,8 @@ def path(tmp_path):
 
 def lines(noted):
     """Return what another process finds noted."""
-    _noted.cache_clear()
+    notes.write_notes()
+    notes.noted.cache_clear()
     return [json.loads(line) for line in noted.read_text().splitlines()] if noted.exists() else []
 
 
@@ -38,7 +40,8 @@ def test_a_file_of_the_same_size_and_date_is_told_from_the_one_before(path, note
     os.utime(path, (1e9, 1e9))
     time.sleep(3.1)  # until its dates are settled
     checksum_before = checksum(path, memo=noted)
-    assert lines(noted) == [[str(path), file_state(path), checksum_before]]
+    assert not noted.exists(), "as after a dry run"
+    assert lines(noted) == [[str(path), [file_state(path), checksum_before]]]
     written = path if how == "in place" else path.with_name("b.txt")
     written.write_text("1 3")
     os.utime(written, (1e9, 1e9))
@@ -48,7 +51,7 @@ def test_a_file_of_the_same_size_and_date_is_told_from_the_one_before(path, note
 
 
 def test_a_file_that_has_not_changed_is_not_read_again(path, noted):
-    noted.write_text(json.dumps([str(path), file_state(path), "as noted"]) + "\n")
+    noted.write_text(json.dumps([str(path), [file_state(path), "as noted"]]) + "\n")
     assert checksum(path, memo=noted) == "as noted"
     path.write_text("1 3")
     assert checksum(path, memo=noted) == sha256(path)
@@ -60,8 +63,8 @@ def test_what_may_yet_change_within_a_tick_of_the_clock_is_not_noted(path, noted
 
 
 def test_damaged_lines_are_left_out_and_the_last_of_a_path_counts(path, noted):
-    rows = [[str(path), [1, 2, 3, 4], "old"], [str(path), file_state(path), "new"]]
-    noted.write_text("\n".join(["{", *map(json.dumps, rows), "[1, 2]", '["half']))
+    rows = [[str(path), [[1, 2, 3, 4], "old"]], [str(path), [file_state(path), "new"]]]
+    noted.write_text("\n".join(["{", *map(json.dumps, rows), "[1, 2, 3]", "7", '["half']))
     assert checksum(path, memo=noted) == "new"
 
 

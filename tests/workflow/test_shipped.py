@@ -24,6 +24,11 @@ def test_the_shipped_configuration_names_maps_that_are_there():
         assert surface.path.stat().st_size < 1e6
 
 
+def test_the_study_of_the_tests_names_a_map_that_is_there():
+    (settings,) = resolve(yaml.safe_load((ROOT / ".test/config/config.yaml").read_text())).values()
+    assert list(read_surfaces(ROOT / ".test" / settings["surfaces"], [ROOT])) == ["periodic"]
+
+
 def test_the_conda_environment_has_the_packages_of_the_project():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     environment = yaml.safe_load((ROOT / "workflow/envs/roughcontact.yaml").read_text())["dependencies"]

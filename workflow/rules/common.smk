@@ -1,20 +1,27 @@
 # Settings, table and plan of the run, and what the rules ask for; roughcontact.study.rule_arguments computes it.
 import gc
 import os
-from functools import partial
+from functools import cache, partial
 
+from snakemake.io import IOFile
 from snakemake.logging import logger
 
 from roughcontact.study.failures import start_partial_report
-from roughcontact.study.records import LAST_RESULTS, note_results, renew_records
+from roughcontact.study.records import (
+    LAST_RESULTS,
+    files_of_run,
+    note_results,
+    replaced_files,
+)
 from roughcontact.study.rule_arguments import RuleArguments
-from roughcontact.study.places import check_places, stale_results
+from roughcontact.study.places import check_places, date_back, stale_results
 from roughcontact.study.plan import Plan
 from roughcontact.study.study import read_study
 from roughcontact.study.surfaces import find
 from roughcontact.study.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 from roughcontact.io.guards import listed
+from roughcontact.io.notes import write_notes
 from roughcontact.study.garbage import collect_rarely
 
 # a plan of thousands of jobs is millions of objects that stay: no garbage is looked for until it is complete (onstart)
@@ -59,7 +66,26 @@ except SettingsError as error:
 ARGUMENTS = RuleArguments(PLAN, ROOT / "workflow/scripts")
 pattern_of, file_of, params_of = PLAN.pattern, ARGUMENTS.file_of, ARGUMENTS.params_of
 resources_of, threads_of = ARGUMENTS.resources_of, ARGUMENTS.threads_of
-sources_of = partial(ARGUMENTS.sources_of, local=local)
+REPLACED = replaced_files()
+
+
+@cache
+def distrust_files():
+    """Have made again what the last run has not left, or Snakemake has no record of, as after a power failure.
+
+    It is told so as it tells itself of incomplete files, while it builds the graph: no option says this.
+    """
+    if not workflow.is_main_process:  # but a job of it
+        return
+    recorded, files = workflow.persistence.metadata, files_of_run(PLAN)
+    files = filter(os.path.isfile, (f"{PREFIX}{path}" for path in files))
+    unknown = [path for path in files if recorded(IOFile(path)) is None]
+    if unknown:
+        logger.info(f"Without a record of Snakemake, made again: {listed(unknown)}")
+    workflow.dag.forcefiles.update(REPLACED, unknown)
+
+
+sources_of = partial(ARGUMENTS.sources_of, local=local, before=distrust_files)
 REPORT = {
     "results": PLAN.results,
     "unloaded": PLAN.unloaded,
@@ -75,8 +101,8 @@ if DEFAULTS and not os.path.isfile("config/config.yaml"):
         f"There is no config/config.yaml here: settings of {DEFAULT}, surfaces of {table} "
         f"({len(PLAN.measured)} maps)."
     )
-if replaced := renew_records(PLAN):
-    logger.info(f"Not left by the last run here, made again: {listed(replaced)}")
+if REPLACED:
+    logger.info(f"Not left by the last run here, made again: {listed(REPLACED)}")
 if stale := stale_results(PLAN.results):
     logger.info(
         f"Not in the table: {', '.join(stale[:5])}{' ...' if len(stale) > 5 else ''}. They stay as an earlier run left "

@@ -28,6 +28,7 @@ from roughcontact.errors import (
     path_message,
 )
 from roughcontact.io.checksums import checksum
+from roughcontact.io.notes import write_notes
 from roughcontact.study.garbage import collect_rarely
 from roughcontact.study.places import check_dates
 
@@ -126,6 +127,7 @@ def check_sources() -> None:
         if checksum(path) != expected:
             raise InputFileError(f"{path}: changed while the run was at work; run again")
         _RECORD["sources"][path] = expected
+    write_notes()
 
 
 def save(

@@ -1,12 +1,12 @@
 """Which reader reads a measured file, so that a change of another one concerns no job."""
 
 import hashlib
-import json
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
 from roughcontact.io.checksums import checksum
+from roughcontact.io.notes import note, noted
 from roughcontact.study.dependencies import PACKAGE, source_digest
 
 NOTED = Path(".snakemake/roughcontact-readers")
@@ -20,12 +20,9 @@ def reader_digest(path: str | Path) -> str:
     content, readers = checksum(path), _all_readers()
     if not content:
         return ""
-    noted = _noted()
-    if (key := f"{content} {readers}") not in noted:
-        noted[key] = _recognised(Path(path))
-        with suppress(OSError), NOTED.open("a", encoding="utf-8") as file:
-            file.write(json.dumps([key, noted[key]]) + "\n")
-    return _digest(noted[key])
+    if (key := f"{content} {readers}") not in noted(NOTED):
+        note(NOTED, key, _recognised(Path(path)))
+    return _digest(noted(NOTED)[key])
 
 
 @cache
@@ -40,17 +37,6 @@ def _all_readers() -> str:
     """Return the checksum of the code by which readers recognise files, of all of them."""
     code = b"".join(path.read_bytes() for path in sorted((PACKAGE / "io/readers").glob("*.py")))
     return hashlib.sha256(code).hexdigest()[:16]
-
-
-@cache
-def _noted() -> dict[str, str]:
-    """Return the noted names of readers; damaged lines, as of a killed run, are left out."""
-    names: dict[str, str] = {}
-    with suppress(OSError, UnicodeDecodeError):
-        for line in NOTED.read_text(encoding="utf-8").splitlines():
-            with suppress(ValueError):
-                names.update([json.loads(line)])
-    return names
 
 
 def _recognised(path: Path) -> str:

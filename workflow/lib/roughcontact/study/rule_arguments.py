@@ -13,7 +13,6 @@ from roughcontact.study.dependencies import source_digest
 from roughcontact.study.places import PARTIAL
 from roughcontact.study.plan import STAGES, Plan, Rule, split
 from roughcontact.study.readers import reader_digest
-from roughcontact.study.records import RECORDS
 
 InputFunction = Callable[[Any], list[str] | str]  # of the wildcards
 # the scripts of rules that use those of others
@@ -67,18 +66,23 @@ class RuleArguments:
 
         return _for_result(file)
 
-    def sources_of(self, rule: Rule, local: Callable[[str], str]) -> InputFunction | list[str]:
-        """Return the input function of measured files, `local` ones even where results have a prefix."""
-        records = [local(str(RECORDS))] * RECORDS.exists()
+    def sources_of(
+        self, rule: Rule, *, local: Callable[[str], str], before: Callable[[], None]
+    ) -> InputFunction | list[str]:
+        """Return the input function of measured files, `local` ones even where results have a prefix.
+
+        `before` is called first: each job depends on one that reads.
+        """
         if not self._reads(rule):
-            return records
+            return []
 
         def files(result: str) -> list[str]:
+            before()
             time_now = time.time()
             # left out, but counted by checksum: files from the future, by a wrong clock, and braces, which
             # mark wildcards
             paths = [path for path in self.plan.sources(rule, result) if "{" not in path]
-            return [*(local(path) for path in paths if Path(path).stat().st_mtime <= time_now), *records]
+            return [local(path) for path in paths if Path(path).stat().st_mtime <= time_now]
 
         return _for_result(files)
 
