@@ -15,7 +15,7 @@ import roughcontact as rc
 from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.contact.elasticity.energy import elastic_energy
 from roughcontact.contact.elasticity.influence import Elasticity
-from roughcontact.contact.elasticity.layers import elastic_medium
+from roughcontact.contact.elasticity.media import elastic_medium
 from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.synthetic import self_affine_surface
 

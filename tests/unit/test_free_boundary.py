@@ -19,7 +19,8 @@ from roughcontact.contact.elasticity.free_space import (
 )
 from roughcontact.contact.elasticity.halfspace import HalfSpace
 from roughcontact.contact.elasticity.influence import Elasticity
-from roughcontact.contact.elasticity.layers import LayeredPair, elastic_medium
+from roughcontact.contact.elasticity.layers import LayeredPair
+from roughcontact.contact.elasticity.media import elastic_medium
 from roughcontact.kernels.fourier import wavevectors
 
 POINTS = 256

@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 
 from roughcontact.contact.coarsening import halving_factors, hierarchy, stencil, whole_factors
 from roughcontact.contact.elasticity.influence import Elasticity
-from roughcontact.contact.elasticity.layers import elastic_medium
+from roughcontact.contact.elasticity.media import elastic_medium
 from roughcontact.contact.elasticity.medium import HALF_SPACES
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.interpolation import Interpolation

@@ -9,7 +9,7 @@ from roughcontact.contact.dataset import recorded_elasticity, recorded_medium
 from roughcontact.contact.elasticity.energy import elastic_energy
 from roughcontact.contact.elasticity.halfspace import HalfSpace
 from roughcontact.contact.elasticity.influence import Elasticity
-from roughcontact.contact.elasticity.layers import elastic_medium
+from roughcontact.contact.elasticity.media import elastic_medium
 from roughcontact.contact.elasticity.medium import HALF_SPACES
 from roughcontact.contact.response import linear_response
 from roughcontact.contact.solve import solve_contact

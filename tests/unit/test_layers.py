@@ -17,8 +17,8 @@ from roughcontact.contact.elasticity.layers import (
     Stack,
     body_stack,
     compliance_factor,
-    elastic_medium,
 )
+from roughcontact.contact.elasticity.media import elastic_medium
 from roughcontact.contact.elasticity.medium import HALF_SPACES
 from roughcontact.kernels.fourier import wavevectors
 

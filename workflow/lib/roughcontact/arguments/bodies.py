@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from roughcontact.arguments.checking import check_positive
-from roughcontact.arguments.materials import layers_in
 from roughcontact.arguments.named_materials import named_bodies
+from roughcontact.arguments.stacks import layers_in
 from roughcontact.errors import SettingsError
 
 _MATERIAL = ("youngs_modulus", "poissons_ratio")
@@ -28,39 +28,6 @@ def check_bodies(bodies: Sequence[str | Mapping[str, Any]], *, where: str = "bod
         )
     # a second body that is not given is rigid; other properties are kept as they are
     return [_checked(body, f"{where}[{index}]") for index, body in enumerate(named_bodies(bodies))]
-
-
-def properties_of_bodies(bodies: Sequence[Mapping[str, Any]] | None) -> tuple[str, ...]:
-    """Return what one of the bodies has, if there are any, that may exclude settings: "layers", or nothing.
-
-    Examples
-    --------
-    >>> properties_of_bodies(None), properties_of_bodies([{"layers": [{"thickness": 1e-6}]}, {}])
-    ((), ('layers',))
-    """
-    return ("layers",) if any(map(layers_in, bodies or ())) else ()
-
-
-def half_spaces(bodies: Sequence[Mapping[str, Any]] | None) -> list[Mapping[str, Any]]:
-    """Return those of the bodies, if there are any, that have no layers.
-
-    Examples
-    --------
-    >>> len(half_spaces([{"layers": [{"thickness": 1e-6}]}, {"youngs_modulus": 2e11}]))
-    1
-    """
-    return [body for body in bodies or () if not layers_in(body)]
-
-
-def bodies_for_solver(bodies: Sequence[Mapping[str, Any]] | None) -> dict[str, Any]:
-    """Return the argument `bodies` of `solve_contact`, where E* does not say all of them: with layers.
-
-    Examples
-    --------
-    >>> bodies_for_solver([{"youngs_modulus": 2e11, "poissons_ratio": 0.3}])
-    {}
-    """
-    return {"bodies": bodies} if properties_of_bodies(bodies) else {}
 
 
 def _checked(body: Mapping[str, Any], where: str) -> dict[str, Any]:

@@ -43,7 +43,7 @@ class KindFacts:
         whether a fluid flows through its gap, and theories of endless surfaces hold.
     noun : str
         what is solved, where that is no window of a map.
-    own_numbers : collection of str
+    own_numbers : tuple of str
         numbers of each load that only this kind has; by the first of them its results are told.
     scaled_columns : collection of str
         numbers of the solution that are relative to the roughness of its map.
@@ -83,7 +83,7 @@ class KindFacts:
     has_flow: bool = True
     has_theories: bool = True
     noun: str = ""
-    own_numbers: Collection[str] = ()
+    own_numbers: tuple[str, ...] = ()
     scaled_columns: Collection[str] = ("relative_pressure",)
     scales_heights: bool = True
     form_is_meant: bool = False

@@ -3,10 +3,11 @@
 A `Doubt` suggests the value that was meant in another unit; the caller decides whether it is an error.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from roughcontact.arguments.quantities import number, quantity
+from roughcontact.arguments.stacks import top_material
 
 # Young's moduli: the softest gels and tissues (Levental, Georges and Janmey 2007, Soft Matter 3, 299) to
 # diamond, 1.14e12 Pa (Klein and Cardinale 1993, Diamond Relat. Mater. 2, 918), with some room
@@ -53,55 +54,6 @@ def contact_modulus(bodies: Sequence[Mapping[str, Any]]) -> float:
     """Return E* (Pa) of two bodies, 1/E* = sum of (1 - nu^2)/E at the surface (Johnson 1985, eq. (4.4))."""
     surfaces = [top_material(body) for body in bodies]
     return 1 / sum((1 - surface["poissons_ratio"] ** 2) / surface["youngs_modulus"] for surface in surfaces)
-
-
-def layers_in(body: Mapping[str, Any]) -> Sequence[Mapping[str, Any]]:
-    """Return the layers of a body from the surface inwards: mostly none.
-
-    Examples
-    --------
-    >>> len(layers_in({"youngs_modulus": 2e11})), len(layers_in({"layers": [{"thickness": 1e-3}]}))
-    (0, 1)
-    """
-    return body.get("layers") or ()
-
-
-def materials_in(body: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the materials of a body from the surface inwards, without a rigid base.
-
-    Examples
-    --------
-    >>> len(materials_in({"base": "rigid", "layers": [{"thickness": 1e-3}]}))
-    1
-    """
-    return [*layers_in(body), *([] if body.get("base") == "rigid" else [body])]
-
-
-def top_material(body: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the material at the surface of a body: that of its first layer, or its own.
-
-    Examples
-    --------
-    >>> top_material({"base": "rigid", "layers": [{"thickness": 1e-3, "youngs_modulus": 2e6}]})["thickness"]
-    0.001
-    """
-    return [*layers_in(body), body][0]
-
-
-def located_materials(
-    bodies: Sequence[Mapping[str, Any]] | None,
-) -> Iterator[tuple[tuple[str | int, ...], Mapping[str, Any]]]:
-    """Yield location and properties of each material of bodies, from the surface inwards, with rigid bases.
-
-    Examples
-    --------
-    >>> [where for where, _ in located_materials([{"layers": [{"thickness": 1e-3}]}])]
-    [('bodies', 0, 'layers', 0), ('bodies', 0)]
-    """
-    for index, body in enumerate(bodies or ()):
-        for position, layer in enumerate(layers_in(body)):
-            yield ("bodies", index, "layers", position), layer
-        yield ("bodies", index), body
 
 
 def doubt_of_modulus(modulus: float) -> Doubt | None:

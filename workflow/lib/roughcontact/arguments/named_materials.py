@@ -7,8 +7,8 @@ from functools import cache
 from importlib import resources
 from typing import Any, NamedTuple
 
-from roughcontact.arguments.materials import top_material
 from roughcontact.arguments.ranges import OF_BODIES, name_of_range, shares_of_range, weighted
+from roughcontact.arguments.stacks import top_material
 from roughcontact.errors import SettingsError
 
 _SI = {"GPa": 1e9, "MPa": 1e6, "nOhm_m": 1e-9}

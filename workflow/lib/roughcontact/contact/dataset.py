@@ -10,7 +10,7 @@ from roughcontact.arguments.checking import check_choice
 from roughcontact.arguments.choices import Influence
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.contact.elasticity.influence import Elasticity
-from roughcontact.contact.elasticity.layers import elastic_medium
+from roughcontact.contact.elasticity.media import elastic_medium
 from roughcontact.contact.elasticity.medium import Medium
 from roughcontact.contact.iteration import Solution
 from roughcontact.contact.problem import Problem

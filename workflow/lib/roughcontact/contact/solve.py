@@ -26,7 +26,7 @@ from roughcontact.arguments.variables import describe
 from roughcontact.contact.dataset import FieldsInUnits, fields_in_units, joined, load_result, unit_of_pressure
 from roughcontact.contact.elasticity.halfspace import zero_frequency_compliance
 from roughcontact.contact.elasticity.influence import Elasticity
-from roughcontact.contact.elasticity.layers import elastic_medium
+from roughcontact.contact.elasticity.media import elastic_medium
 from roughcontact.contact.free_boundary import free_solutions
 from roughcontact.contact.iteration import Solution
 from roughcontact.contact.loads import check_loads

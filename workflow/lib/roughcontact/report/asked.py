@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from roughcontact.arguments.materials import layers_in
 from roughcontact.arguments.quantities import number, percent, quantity
+from roughcontact.arguments.stacks import layers_in
 
 _OF_BODY = (("hardness", "hardness"), ("yield_stress", "yield stress"))
 _TARGETS = {"percolation": "the load at which the gap closes", "first_yield": "the load of first yield"}

@@ -6,10 +6,10 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, GAP, PRESSURE, UNITS
-from roughcontact.arguments.bodies import properties_of_bodies
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import quantity
+from roughcontact.arguments.stacks import properties_of_bodies
 from roughcontact.report.asked import bodies_in_words
 from roughcontact.report.budget_plots import largest_parts
 from roughcontact.report.template import paragraph, template

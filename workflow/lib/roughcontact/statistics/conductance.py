@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact.arguments.bodies import half_spaces
-from roughcontact.arguments.materials import materials_in, top_material
 from roughcontact.arguments.ranges import ends, name_of_range, weighted
-from roughcontact.contact.elasticity.layers import ConductingPair, conducting_pair
+from roughcontact.arguments.stacks import half_spaces, materials_in, top_material
+from roughcontact.contact.elasticity.influence import HALF_SPACE, Elasticity
+from roughcontact.contact.elasticity.media import conduction
 from roughcontact.contact.elasticity.medium import HALF_SPACES, Medium
 from roughcontact.errors import SettingsError
 
@@ -138,7 +138,7 @@ def resistances_and_joint(
     return results
 
 
-def conductors(bodies: Bodies | None) -> dict[str, ConductingPair]:
+def conductors(bodies: Bodies | None, elasticity: Elasticity = HALF_SPACE) -> dict[str, Elasticity]:
     """Return bodies with layers as conductors, by the name of the conductance whose property all state.
 
     Examples
@@ -150,8 +150,8 @@ def conductors(bodies: Bodies | None) -> dict[str, ConductingPair]:
     if bodies is None or len(half_spaces(bodies)) == len(bodies):
         return {}
     properties = {"thermal": "thermal_conductivity", "electrical": "electrical_resistivity"}
-    pairs = {transport: conducting_pair(bodies, name) for transport, name in properties.items()}
-    return {_TRANSPORTS[transport]: pair for transport, pair in pairs.items() if pair is not None}
+    pairs = {key: conduction(bodies, name, elasticity) for key, name in properties.items()}
+    return {_TRANSPORTS[key]: pair for key, pair in pairs.items() if pair is not None}
 
 
 def knudsen_resistance_ratio(knudsen: npt.ArrayLike) -> np.ndarray:

@@ -7,20 +7,20 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.bodies import check_bodies, properties_of_bodies
+from roughcontact.arguments.bodies import check_bodies
 from roughcontact.arguments.checking import check_choice, check_keys, check_solution, warn_of_map
 from roughcontact.arguments.choices import Extra
 from roughcontact.arguments.finite_body import recover_roughness
 from roughcontact.arguments.kinds import KindFacts, facts_of
 from roughcontact.arguments.maps import areal_only, spacing
-from roughcontact.arguments.materials import top_material
 from roughcontact.arguments.named_materials import named_bodies
 from roughcontact.arguments.si import as_si
+from roughcontact.arguments.stacks import properties_of_bodies, top_material
 from roughcontact.arguments.variables import describe
 from roughcontact.contact.dataset import carrying, joined, recorded_elasticity, recorded_medium
 from roughcontact.contact.elasticity.energy import elastic_energy
 from roughcontact.contact.elasticity.influence import Elasticity
-from roughcontact.contact.elasticity.layers import ConductingPair, elastic_medium
+from roughcontact.contact.elasticity.media import elastic_medium
 from roughcontact.contact.elasticity.medium import HALF_SPACES, Medium
 from roughcontact.contact.response import certified_response, linear_response
 from roughcontact.errors import SettingsError
@@ -185,7 +185,8 @@ def contact_statistics(
         * logarithmic_edges(densities.PATCH_DECADES, densities.PATCH_BINS),
     }
     with_flow = kind.has_flow and (flow == "always" or (flow == "auto" and seal is not None))
-    conducting, gas = conductance.conductors(bodies), conductance.gas_arguments(joint)
+    conducting = conductance.conductors(bodies, recorded_elasticity(contact))
+    gas = conductance.gas_arguments(joint)
     rows = [
         _one_load(contact, load, edges, with_flow=with_flow, body=body, conducting=conducting, gas=gas)
         for load in range(mean_pressure.size)
@@ -633,7 +634,7 @@ def _one_load(
     *,
     with_flow: bool,
     body: Mapping[str, Any] | None,
-    conducting: Mapping[str, ConductingPair],
+    conducting: Mapping[str, Elasticity],
     gas: Mapping[str, float] | None,
 ) -> dict[str, object]:
     """Return all numbers of one load; of an open file no more than one of its maps is in memory at a time."""
@@ -676,10 +677,7 @@ def _one_load(
     area = np.pad(touching, border)
     patches = region_sizes(area) * point_area(touching.shape, steps)
     of_points = partial(linear_response, touching, steps)
-    conductions = {
-        name: of_points(Elasticity(pair.modulus, elasticity.influence, pair))
-        for name, pair in conducting.items()
-    }
+    conductions = {name: of_points(conductor) for name, conductor in conducting.items()}
     columns = {
         "relative_contact_area": relative_contact_area(touching, border=border),
         "relative_contact_area_pixels": points / touching.size,

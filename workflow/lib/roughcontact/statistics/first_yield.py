@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.bodies import bodies_for_solver
 from roughcontact.arguments.checking import check_positive
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.si import as_si
+from roughcontact.arguments.stacks import bodies_for_solver
 from roughcontact.contact.solve import MAX_LOAD, solve_contact
 from roughcontact.errors import HeightMapError
 from roughcontact.surface.roughness.parameters import rms_gradient

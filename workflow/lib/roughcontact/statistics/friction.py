@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.bodies import half_spaces
 from roughcontact.arguments.quantities import number, percent
 from roughcontact.arguments.ranges import Shares, ends
+from roughcontact.arguments.stacks import half_spaces
 from roughcontact.contact.flash_temperature import flash_temperature
 from roughcontact.contact.partial_slip import APPROXIMATION, partial_slip
 from roughcontact.errors import SettingsError

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.maps import sides_around
-from roughcontact.arguments.materials import layers_in, materials_in
+from roughcontact.arguments.stacks import layers_in, materials_in
 from roughcontact.contact.elasticity.layers import body_stack
 from roughcontact.contact.elasticity.subsurface import subsurface_stress, tresca, von_mises
 

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.bodies import bodies_for_solver
 from roughcontact.arguments.checking import check_choice, check_positive
 from roughcontact.arguments.choices import LoadTarget
 from roughcontact.arguments.maps import spacing
-from roughcontact.arguments.materials import top_material
+from roughcontact.arguments.stacks import bodies_for_solver, top_material
 from roughcontact.contact.loads import check_loads, plan_loads
 from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.solve import solve_contact

@@ -12,10 +12,10 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from roughcontact.arguments.materials import located_materials
 from roughcontact.arguments.settings.generated import changed_settings
 from roughcontact.arguments.settings.messages import NAME
 from roughcontact.arguments.settings.stages import SECTIONS, origin_id, owner, stage_settings
+from roughcontact.arguments.stacks import located_materials
 from roughcontact.study.surfaces import Placement, Surface, measured, placements, same_area_pairs
 
 Rule = Literal[

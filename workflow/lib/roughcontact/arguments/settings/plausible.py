@@ -15,6 +15,7 @@ from pydantic_core.core_schema import CoreSchema, no_info_before_validator_funct
 from roughcontact.arguments import materials
 from roughcontact.arguments.materials import Doubt
 from roughcontact.arguments.quantities import quantity
+from roughcontact.arguments.stacks import located_materials, top_material
 from roughcontact.arguments.units import carries_unit, convert_to_base_unit
 
 Location = tuple[str | int, ...]
@@ -98,12 +99,12 @@ def implausible_together(
     if contact["force"] and area:
         loads = [force / area for force in contact["force"]]
     doubts: list[tuple[Location, Doubt | None]] = []
-    for where, material in materials.located_materials(contact["bodies"]):
+    for where, material in located_materials(contact["bodies"]):
         if material["youngs_modulus"] is not None:  # all but a rigid base
             doubt = materials.doubt_of_body(material["youngs_modulus"], material["poissons_ratio"])
             doubts.append(((*where, "youngs_modulus"), doubt))
         if material.get("hardness") is not None:  # of a body: it is that of its surface
-            stiffness = materials.top_material(material)["youngs_modulus"]
+            stiffness = top_material(material)["youngs_modulus"]
             doubts.append(
                 ((*where, "hardness"), materials.doubt_of_hardness(material["hardness"], stiffness))
             )

@@ -9,14 +9,15 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from roughcontact.arguments.bodies import check_bodies, properties_of_bodies
+from roughcontact.arguments.bodies import check_bodies
 from roughcontact.arguments.kinds import facts_of_settings
-from roughcontact.arguments.materials import contact_modulus, located_materials
+from roughcontact.arguments.materials import contact_modulus
 from roughcontact.arguments.named_materials import modulus_uncertainty, named_bodies
 from roughcontact.arguments.ranges import OF_BODIES, ends, name_of_range, shares_of_range
 from roughcontact.arguments.settings.messages import mistake, name_mistake, named
 from roughcontact.arguments.settings.models import Settings
 from roughcontact.arguments.settings.plausible import implausible_together
+from roughcontact.arguments.stacks import located_materials, properties_of_bodies
 from roughcontact.errors import SettingsError
 
 # keys of `contact` of which only one may be given: a case that gives one replaces the other of the base

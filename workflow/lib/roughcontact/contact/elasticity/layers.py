@@ -15,9 +15,9 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from roughcontact.arguments.materials import layers_in
+from roughcontact.arguments.stacks import layers_in, properties_of_bodies
 from roughcontact.contact.elasticity.layers_under_force import FadedLayers, change_by_layers
-from roughcontact.contact.elasticity.medium import HALF_SPACES, Medium, wavenumbers
+from roughcontact.contact.elasticity.medium import Medium, wavenumbers
 from roughcontact.kernels.arrays import Array, get_precision, like_array
 
 _THIN = 1.0  # |q| t below which the transfer matrix is used; above, its error would grow as exp(2 |q| t)
@@ -124,7 +124,7 @@ class LayeredPair(Medium):
         return sum(_compression(body) for body in self.bodies if elastic or body.base is None)
 
     def as_settings(self) -> list[dict[str, Any]]:
-        """Return the bodies as the settings describe them; `elastic_medium` reads them."""
+        """Return the bodies as the settings describe them; `layered_pair` reads them."""
         settings = []
         for body in self.bodies:
             layers = [{"thickness": thickness} | material._asdict() for thickness, material in body.layers]
@@ -210,12 +210,10 @@ def conducting_pair(bodies: Iterable[Mapping[str, Any]], name: str) -> Conductin
     return ConductingPair(tuple(stacks))
 
 
-def elastic_medium(bodies: Sequence[Mapping[str, Any]] | None) -> Medium:
-    """Return the medium of bodies of the settings (Pa, m; layers from the surface inwards)."""
-    if not any(map(layers_in, bodies or ())):
-        return HALF_SPACES
-    stacks = tuple(body_stack(body).merged() for body in bodies or ())
-    return LayeredPair(stacks) if any(stack.layers for stack in stacks) else HALF_SPACES
+def layered_pair(bodies: Sequence[Mapping[str, Any]]) -> LayeredPair | None:
+    """Return bodies of the settings (Pa, m) as a pair, None where none has a layer unlike its base."""
+    stacks = tuple(body_stack(body).merged() for body in bodies) if properties_of_bodies(bodies) else ()
+    return LayeredPair(stacks) if any(stack.layers for stack in stacks) else None
 
 
 def body_stack(body: Mapping[str, Any]) -> Stack:

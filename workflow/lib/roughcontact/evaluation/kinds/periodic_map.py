@@ -6,8 +6,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import xarray as xr
 
-from roughcontact.arguments.bodies import bodies_for_solver
 from roughcontact.arguments.kinds import PERIODIC_MAP, KindFacts
+from roughcontact.arguments.stacks import bodies_for_solver
 from roughcontact.contact.solve import SOLVER_SETTINGS
 from roughcontact.errors import HeightMapError
 from roughcontact.statistics.targets import TARGETS, wanted_loads
