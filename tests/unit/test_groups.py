@@ -620,6 +620,28 @@ def test_a_repeat_differs_by_nothing_that_both_share(repeats):
     assert rougher_ratio["outcome"].values[-1] == "differ"
 
 
+def test_wear_of_one_place_is_known_better_than_that_of_all_places(repeats):
+    """Its ratio is that of the maps without their noise, solved on their own."""
+    original, _, _ = repeats
+    place = rough_reference_surface(64).isel(x=slice(48), y=slice(48))
+    flattened = place.clip(max=float(place.quantile(0.8)))
+    settings = {"contact": {"contact_modulus": "1 GPa", "mean_pressure": ["30 MPa", "120 MPa"]}}
+    settings |= {"statistics": {"flow": "never"}}
+    worn = rc.evaluate(flattened, **settings)
+    ratios = {}
+    for pairs_of_place in ((), [("new", "worn")]):
+        comparisons, _ = compare_maps({("new", "worn"): (original, worn)}, of_place=pairs_of_place)
+        ratios[bool(pairs_of_place)] = comparisons["new", "worn"]
+    bare = rc.evaluate(place, **settings, uncertainty={"sources": ["discretisation"]})
+    for name in ("relative_contact_area", "mean_gap"):
+        anywhere, here = (ratios[key].sel(quantity=name) for key in (False, True))
+        widths = [np.log(each["ratio_upper"] / each["ratio_lower"]).values for each in (anywhere, here)]
+        assert (widths[1] < 0.7 * widths[0]).all(), name
+        truth = (worn[name] / bare[name]).values
+        assert (here["ratio_lower"].values <= truth).all(), name
+        assert (truth <= here["ratio_upper"].values).all(), name
+
+
 def test_maps_of_a_place_are_compared_at_the_same_mean_pressures():
     def solved(loads, factor):
         """Gaps go with the load to the -1/2, which the logarithms interpolate without error."""

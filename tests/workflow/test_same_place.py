@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import shutil
 
 import numpy as np
@@ -15,7 +16,7 @@ NOISE = 2e-9  # m
 HEADER = "surface\tpath\tunit\theight_unit\tdx\tdy\tbefore\trepeat_of"
 ROWS = {name: f"{name}\tmeasured/{name}.npy\tum\tum\t1\t1\t" for name in ("new", "again", "worn")}
 PLACES = [HEADER, f"{ROWS['new']}\t", f"{ROWS['again']}\tnew", f"{ROWS['worn']}new\t"]
-AS_REPEAT = [HEADER, f"{ROWS['new']}\t", f"{ROWS['worn']}\tnew"]
+AS_REPEAT = [HEADER, f"{ROWS['new']}\t", f"{ROWS['worn'].replace('worn.npy', 'flat.npy')}\tnew"]
 LOADS = SETTINGS | {"contact": {"contact_modulus": "10 MPa", "mean_pressure": ["20 kPa", "100 kPa"]}}
 
 
@@ -24,10 +25,12 @@ def worn(tmp_path_factory, checkout):
     """A finished project: a place, measured twice, and once more after its top 10 % were flattened."""
     project = Project(tmp_path_factory.mktemp("project"), checkout)
     waves = {"hurst": 0.8, "shortest": 4e-6, "longest": 48e-6, "rms_height": 300e-9}
-    surface = self_affine_surface((128, 128), 1e-6, **waves, seed=3)
+    field = self_affine_surface((192, 192), 1e-6, **waves, seed=3)
     generator = np.random.default_rng(1)
-    flattened = surface.clip(max=float(surface.quantile(0.9)))
-    for name, height in {"new": surface, "again": surface, "worn": flattened}.items():
+    flattened = field.clip(max=float(field.quantile(0.9)))
+    new, beside = field[:128, :128], flattened[6:134, 3:131]  # where the part was put back
+    heights = {"new": new, "again": new, "worn": beside, "flat": flattened[:128, :128]}
+    for name, height in heights.items():
         noise = NOISE * generator.standard_normal(height.shape)
         np.save(project.path(f"measured/{name}.npy"), 1e6 * (height.values + noise))
     project.write(LOADS, PLACES)
@@ -39,13 +42,6 @@ def worn(tmp_path_factory, checkout):
 def table(project, name):
     with project.path(f"results/{name}").open(newline="") as file:
         return list(csv.DictReader(file))
-
-
-def areas(project):
-    """Return the area of the worn surface at each load, with the ends of its interval."""
-    keys = [f"relative_contact_area{suffix}" for suffix in ("_lower", "", "_upper")]
-    rows = [row for row in table(project, "summary.csv") if row["surface"] == "worn"]
-    return [[float(row[key]) for key in keys] for row in rows]
 
 
 def stated(project, name):
@@ -65,16 +61,23 @@ def test_wear_is_a_difference_and_no_noise(worn):
     for name in ("new", "again"):
         assert stated(worn, name)["instrument_noise"] == pytest.approx(NOISE, rel=0.1)
     assert "instrument_noise" not in stated(worn, "worn")
-    worn.write(LOADS, [*PLACES[:3], f"{ROWS['worn']}again\t"])
-    assert worn.jobs() == {"report": 1}
-    worn.write(LOADS, [*PLACES[:2], f"{ROWS['again']}\t", PLACES[3]])
-    assert worn.jobs() == {"prepare": 2, "contact": 2, "panel": 2, "report": 1}
-    with_before = areas(worn)
-    # as if nothing were known of another map of this place
-    worn.write(LOADS, [HEADER, f"{ROWS['worn']}\t"])
-    assert worn.jobs() == {"report": 1}
-    assert worn.run().returncode == 0
-    assert areas(worn) == with_before
+    heights = [read_dataset(worn.path(f"results/{name}/height.nc"))["height"] for name in ("new", "worn")]
+    assert heights[0].shape == heights[1].shape == (122, 125)
+    (found, cropped) = json.loads(heights[1].attrs["ingest_warnings"])
+    assert re.fullmatch(
+        r"the place of new, shifted by \((2\.9|3\.0)\d µm, (5\.9|6\.0)\d µm\),.* correlation 0\.9\d", found
+    )
+    assert cropped == "cropped to 125 × 122 of 128 × 128 points, which all maps of the place show"
+
+
+@pytest.mark.slow
+def test_another_place_is_refused_before_anything_is_solved(worn):
+    np.save(worn.path("measured/elsewhere.npy"), np.load(worn.path("measured/new.npy"))[::-1, ::-1])
+    row = "elsewhere\tmeasured/elsewhere.npy\tum\tum\t1\t1\tnew\t"
+    worn.write(LOADS, [HEADER, f"{ROWS['new']}\t", row])
+    run = worn.run()
+    assert run.returncode != 0
+    assert "before: elsewhere.npy does not show the place of new.npy: its middle fits " in run.stderr
 
 
 @pytest.mark.slow
@@ -91,7 +94,7 @@ def test_wear_that_is_called_a_repeat_is_named_and_gives_no_noise(worn):
         assert "not as by noise: " in message
         assert f"warning: {message}" in run.stderr
     (reason,) = {row["reasons"] for row in table(worn, "summary.csv") if row["surface"] == "worn"}
-    assert reason.startswith("Reading the file: The repeats worn and new differ by ")
+    assert "Reading the file: The repeats worn and new differ by " in reason
     assert "The repeats worn and new differ by " in worn.path("results/report.html").read_text()
 
 

@@ -14,17 +14,27 @@ from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
 from roughcontact.results.storage import read_dataset
 from roughcontact.study.tiles import Tile, cut
+from roughcontact.surface.faces.registration import common_part
 from roughcontact.surface.levelling.repeats import noise_of_repeats
 from roughcontact.surface.preparation import preparation_of
 from roughcontact.surface.preparation.region import read_region
 from roughcontact.surface.profiles.surface import stacked
+
+
+def _maps_of_place(rows, name, height):
+    """Return the maps of a place in the order of time, and the name of the earlier one of each."""
+    rows = {row["name"]: {key: cell for key, cell in row.items() if key != "name"} for row in rows}
+    earlier = {other: cells.pop("earlier") for other, cells in rows.items() if "earlier" in cells}
+    maps = {other: height if other == name else read_region(**cells) for other, cells in rows.items()}
+    return maps, earlier
+
 
 settings, row, output = snakemake.params.settings, snakemake.params.row, snakemake.output
 arguments = dict(settings["height"]["surface"])
 name, repeat = arguments.pop("name"), dict(arguments.pop("repeat", {}))
 try:
     tile, along = arguments.pop("parts", None), arguments.pop("along", ())
-    overviews = arguments.pop("overview", ())
+    overviews, maps_of_place = arguments.pop("overview", ()), arguments.pop("place", ())
     height = read_region(row["path"], **arguments)
     if along:
         height = stacked(height, [read_height_map(**profile) for profile in along])
@@ -39,6 +49,8 @@ try:
         if remark:
             text = f"the repeats {name} and {name_of_repeat} differ {remark}"
             height.attrs |= add_remark(height.attrs, text, fact=noisy)
+    if maps_of_place:
+        height = common_part(*_maps_of_place(maps_of_place, name, height), name)
 except RoughContactError as error:
     raise type(error)(f"{error} ({row['origin']})") from error
 reading = Measurement.read(height.attrs)

@@ -174,17 +174,18 @@ def map_comparisons(
 
     With them comes a sentence for each that cannot be made.
     """
-    compared = [(earlier, later) for earlier, later in same_area_pairs]
-    compared += [(reference, partner) for reference, *others in pairs.values() for partner in others]
+    one_place = [(earlier, later) for earlier, later in same_area_pairs]
+    of_faces = [(reference, partner) for reference, *others in pairs.values() for partner in others]
     result: dict[tuple[str, str], xr.Dataset] = {}
     omissions: list[str] = []
     for case, of_case in by_case.items():
-        results_by_pair = {}
-        for pair in compared:
+        results_by_pair, of_place = {}, set()
+        for pair in one_place + of_faces:
             if of_case.keys() >= {*pair}:
                 reference, partner = (f"{name} · {case}" if case else name for name in pair)
                 results_by_pair[reference, partner] = of_case[pair[0]], of_case[pair[1]]
-        new_comparisons, reasons = compare_maps(results_by_pair)
+                of_place |= {(reference, partner)} if pair in one_place else set()
+        new_comparisons, reasons = compare_maps(results_by_pair, of_place=of_place)
         result, omissions = result | new_comparisons, omissions + reasons
     return result, omissions
 

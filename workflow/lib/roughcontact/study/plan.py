@@ -249,6 +249,7 @@ class Plan:
             files_along = [
                 *([repeat] if repeat else []),
                 *(along or []),
+                *row.read_arguments.get("place", ()),
                 *self.with_overview.get(surface, ()),
             ]
             return [*dict.fromkeys([str(row.path), *(entry["path"] for entry in files_along)])]
@@ -333,9 +334,9 @@ class Plan:
             return BASE_MEMORY + 400 * millions
         if rule.startswith("prepare"):
             row = self.row(surface)
-            return BASE_MEMORY + max(
-                reading_memory(row.path), (130 if "repeat" in row.read_arguments else 90) * millions
-            )
+            others = {"repeat": 130, "place": 230}  # bytes a point
+            bytes_each = max([90, *(others[key] for key in others if key in row.read_arguments)])
+            return BASE_MEMORY + max(reading_memory(row.path), bytes_each * millions)
         if rule == "panel":  # a map or two at a time
             return BASE_MEMORY + 115 * millions
         # the error budget takes 200 bytes for each of the first million points, and no more for larger maps

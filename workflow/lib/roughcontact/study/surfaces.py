@@ -242,7 +242,7 @@ def read_surfaces(
             "\n".join([f"mistakes in the table of surfaces {table}:", *(f"  {m}" for m in mistakes)]),
             mistakes=mistakes,
         )
-    return _attach_repeats(surfaces)
+    return _attach_places(_attach_repeats(surfaces), surfaces)
 
 
 def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
@@ -621,6 +621,31 @@ def _attach_repeats(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
         result[name] = replace(
             result[name], read_arguments={"repeat": repeat, **result[name].read_arguments}, specimen=specimen
         )
+    return result
+
+
+def _attach_places(rows: Mapping[str, Surface], as_read: Mapping[str, Surface]) -> dict[str, Surface]:
+    """Return the rows; those of a place before and after something was done to it know all maps of it.
+
+    These are in the order of time, each with the name of an earlier one (but the first).
+    """
+    result = dict(rows)
+    earlier = {name: row.before or row.repeat_of for name, row in as_read.items()}
+    order = TopologicalSorter({name: {row.repeat_of, row.before} - {""} for name, row in as_read.items()})
+    places: dict[str, list[str]] = {}
+    for name in order.static_order():
+        places[name] = places[earlier[name]] if earlier[name] else []
+        places[name].append(name)
+    for name, maps in places.items():
+        if not any(as_read[other].before for other in maps):
+            continue
+        of_place = []
+        for other in maps:
+            row = as_read[other]
+            cells = {key: cell for key, cell in row.read_arguments.items() if key not in (OVERVIEW, "along")}
+            cells |= {"earlier": earlier[other]} if earlier[other] else {}
+            of_place.append({"name": other, "path": str(row.path), **cells})
+        result[name] = replace(result[name], read_arguments={**rows[name].read_arguments, "place": of_place})
     return result
 
 

@@ -5,7 +5,7 @@ logarithms. Of errors with the half-widths u1 and u2 and the correlation r, what
 u² = (u2 - r u1)² + (1 - r²) u1² (JCGM 100:2008, 5.2.2).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
@@ -46,6 +46,7 @@ RELEVANT = 0.1  # relative difference that matters, unless another one is stated
 DIFFER = "differ"
 _MAX_MAPS = 500  # maps: more are not asked for
 _MIN_DIFFERENCE = 1e-4  # relative difference: no smaller one is named
+_MORE_PLACES = "measure several places of each"
 _ALL_CASES = 3  # up to so many, every two are compared
 
 
@@ -172,19 +173,23 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
 
 
 def compare_maps(
-    pairs: Mapping[tuple[str, str], tuple[xr.Dataset, xr.Dataset]], *, relevant: float = RELEVANT
+    pairs: Mapping[tuple[str, str], tuple[xr.Dataset, xr.Dataset]],
+    *,
+    relevant: float = RELEVANT,
+    of_place: Collection[tuple[str, str]] = (),
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
     """Return the comparisons of maps of the same area, or placements of the same faces, by their names.
 
     Each is `case_differences` at common mean pressures, with `p_value` (that the ratio is 1, adjusted for all
     loads and pairs) and `outcome` of `compare_groups`; a sentence comes with each pair that cannot be
-    compared.
+    compared. Those in `of_place` are about this place alone, without what other places would give.
     """
     results, omissions = {}, []
     for pair, maps in pairs.items():
         try:
             check_alike(" and ".join(pair), pair, maps)
-            results[pair] = _compare_two_maps(*_select_common_loads(pair, maps))
+            common = _select_common_loads(pair, maps)
+            results[pair] = _compare_two_maps(*common, of_place=pair in of_place)
         except SettingsError as error:
             omissions.append(str(error))
     return dict(zip(results, _add_test_results(list(results.values()), relevant), strict=True)), omissions
@@ -207,19 +212,35 @@ def _select_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> li
     return tables
 
 
-def _widths(name: str, data: xr.Dataset) -> np.ndarray:
+def _widths(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarray:
     """Return the components (load, source, component) of a map; of an interval that has none its half-widths.
 
-    These stand in a single source; NaN where there is no interval.
+    These stand in a single source; NaN where there is no interval. For this place alone the source `window`
+    has what the interval of the map between its borders leaves to it.
     """
     if f"{name}_components" in data:
-        return scaled_components(name, data)
+        components = scaled_components(name, data)
+        return _of_place(name, data, components) if of_place else components
     components = np.zeros((data.sizes["load"], len(SOURCES), 4))
     middle = to_scale(name, data[name].values)
     for side, (bound, sign) in enumerate((("lower", -1.0), ("upper", 1.0))):
         values = data.get(f"{name}_{bound}", data[name] * np.nan).values
         components[:, 0, side] = sign * (to_scale(name, values) - middle)
     return components
+
+
+def _of_place(name: str, data: xr.Dataset, components: np.ndarray) -> np.ndarray:
+    """Return components (load, source, component), those of the source `window` of this map alone."""
+    window, middle = SOURCES.index("window"), to_scale(name, data[name].values)
+    others = np.delete(components, window, axis=1)
+    result = components.copy()
+    result[:, window, 2:] = 0.0
+    for side, (bound, sign) in enumerate((("lower", -1.0), ("upper", 1.0))):
+        reach = sign * (to_scale(name, data[f"{name}_map_{bound}"].values) - middle)
+        reach = np.maximum(reach - others[..., 2 + side].sum(axis=1), 0.0)
+        left = np.sqrt(np.maximum(reach**2 - (others[..., side] ** 2).sum(axis=1), 0.0))
+        result[:, window, side] = np.fmin(left, components[:, window, side])
+    return result
 
 
 class _Compared(NamedTuple):
@@ -234,27 +255,33 @@ class _Compared(NamedTuple):
     noun: str = ""  # what more of would tell
     spread: np.ndarray = np.empty(0)  # standard deviation of a part (of a pair of maps), on the scale
     shared: np.ndarray = np.empty(0)  # half-width, on the scale, that more maps would not make smaller
-    largest_shared: np.ndarray = np.empty(0)  # index of the source with the largest part in it
+    largest_source: np.ndarray = np.empty(0)  # index of that with the largest part in it, also of two maps
     mean: np.ndarray = np.empty(0)  # of the first group, on the scale
+    of_place: bool = False  # two maps of one place, and no other
 
 
-def _compare_two_maps(first: xr.Dataset, second: xr.Dataset) -> _Compared:
-    """Return the comparison of two maps, without a judgement."""
+def _compare_two_maps(first: xr.Dataset, second: xr.Dataset, *, of_place: bool = False) -> _Compared:
+    """Return the comparison of two maps, of this place alone or not, without a judgement."""
     loads = min(first.sizes["load"], second.sizes["load"])
     first_data, second_data = (data.isel(load=slice(loads)) for data in (first, second))
     names, zeros = _names(first_data, second_data), np.zeros(loads)
-    rows, p_values = [], []
+    rows, p_values, causes = [], [], []
     for name in names:
         x0, x1 = (to_scale(name, data[name].values) for data in (first_data, second_data))
-        widths = _widths(name, first_data), _widths(name, second_data)
+        first_widths, second_widths = (
+            _widths(name, data, of_place=of_place) for data in (first_data, second_data)
+        )
+        widths = first_widths, second_widths
         correlations = _correlations(name, first_data, second_data)
         half_widths = _unshared_half_widths(*widths, correlations)
         rows.append(_ratios(name, (x0, x1), widths, correlations, scatter=zeros))
         towards_none = np.where(x1 > x0, *half_widths) / student(np.array(np.inf))
         p_values.append(p_value(x1 - x0, towards_none, zeros + np.inf))
+        causes.append(_largest_source(*widths, correlations))
     table = _table(names, first_data["mean_pressure"].values, rows)
     # nothing is known of how the errors at two loads go together
-    return _Compared(table, np.reshape(p_values, (len(names), loads)), [np.eye(loads)] * len(names))
+    p, largest = (np.reshape(values, (len(names), loads)) for values in (p_values, causes))
+    return _Compared(table, p, [np.eye(loads)] * len(names), of_place=of_place, largest_source=largest)
 
 
 def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compared:
@@ -320,11 +347,7 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
             scatter = student(log_freedom) * log_error
         means = [effects.mean for effects in of_groups]
         rows.append(_ratios(name, means, (shared_widths, second_shared), correlation, scatter=scatter))
-        by_source = [
-            np.maximum(*_unshared_half_widths(shared_widths[:, [k]], second_shared[:, [k]], correlation[[k]]))
-            for k in range(len(SOURCES))
-        ]
-        largest = np.nan_to_num(by_source, nan=0.0).argmax(axis=0)
+        largest = _largest_source(shared_widths, second_shared, correlation)
         columns.append(
             (p_value(difference, error, freedom), spread, np.maximum(*half_widths), largest, means[0])
         )
@@ -379,14 +402,16 @@ def _what_decides(comparison: _Compared, index: tuple[int, ...], relevant: float
     """Return what would show a difference that matters: more maps, or a smaller error that all maps share."""
     if not comparison.maps:
         ratio, upper = (float(comparison.table[key].values[index]) for key in ("ratio", "ratio_upper"))
-        return f"errors that differ are up to {percent(upper / ratio - 1)}; measure several places of each"
+        cause = SOURCES[int(comparison.largest_source[index])]
+        way = ADVICE.get(cause, "measure a longer field") if comparison.of_place else _MORE_PLACES
+        return f"errors that differ are up to {percent(upper / ratio - 1)}, most by the {cause}; {way}"
     name = str(comparison.table["quantity"].values[index[0]])
     mean = comparison.mean[index]
     relevant_bounds = to_scale(name, from_scale(name, mean) * np.array([1 - relevant, 1 + relevant]))
     target = float(np.nanmin(np.abs(relevant_bounds - mean)))
     shared_error = ""
     if comparison.shared[index] >= target:
-        advice = ADVICE.get(SOURCES[int(comparison.largest_shared[index])], "state what they share")
+        advice = ADVICE.get(SOURCES[int(comparison.largest_source[index])], "state what they share")
         shared_error = f"all maps share errors above {percent(relevant)}; {advice}"
     needed_maps = maps_needed(float(comparison.spread[index]), target, pairs=comparison.paired)
     missing_maps = max(needed_maps - comparison.maps, 1)
@@ -484,6 +509,15 @@ def _unshared_half_widths(
             shifts = shifts + np.maximum(a[..., 2 + opposite] - b[..., 2 + opposite], 0.0)
             widths.append(np.sqrt(squares.sum(axis=-1)) + shifts.sum(axis=-1))
     return widths[0], widths[1]
+
+
+def _largest_source(a: np.ndarray, b: np.ndarray, correlation: np.ndarray) -> np.ndarray:
+    """Return the index (load,) of the source with the largest part in a difference."""
+    by_source = [
+        np.maximum(*_unshared_half_widths(a[:, [k]], b[:, [k]], correlation[..., [k]]))
+        for k in range(len(SOURCES))
+    ]
+    return np.nan_to_num(by_source, nan=0.0).argmax(axis=0)
 
 
 def _effects(values: Sequence[np.ndarray], parts: Sequence[Sequence[str]]) -> list[Effects]:

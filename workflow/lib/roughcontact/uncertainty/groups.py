@@ -92,7 +92,7 @@ def needed_for_groups(names: Iterable[str]) -> list[str]:
     >>> needed_for_groups(["mean_gap", "mean_gap_lower", "mean_gap_density", "iterations"])
     ['mean_gap', 'mean_gap_lower']
     """
-    suffixes = ("", "_lower", "_upper", "_components", "_parts")
+    suffixes = ("", "_lower", "_upper", "_map_lower", "_map_upper", "_components", "_parts")
     endings = {f"{name}{suffix}" for name in (*QUANTITIES, *ANSWERS) for suffix in suffixes}
     needed_names = {*endings, "mean_pressure", "contact_modulus", "rms_height", *_OF_HARDNESS}
     needed_names |= {*FINITE_BODY.own_numbers}

@@ -5,7 +5,7 @@ best. The form that levelling removes counts for nothing in a correlation, where
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -160,7 +160,15 @@ def place_of(fine: xr.DataArray, overview: xr.DataArray, *, near: tuple[float, f
     (True, 1.0)
     """
     check_size(fine, overview)
-    overview = overview if near is None else _around(overview, fine, near)
+    place = best_place(fine, overview if near is None else _around(overview, fine, near))
+    if near is not None:
+        place = replace(place, uncertainty=min(place.uncertainty, MAX_UNCERTAINTY))
+    _check_place(place, fine, overview)
+    return place
+
+
+def best_place(fine: xr.DataArray, overview: xr.DataArray) -> Place:
+    """Return where a levelled map fits best within a levelled overview (y, x; m), however well that is."""
     order = form_order(fine)
     steps = np.array(spacing(overview))
     points = np.array(fine.shape) * spacing(fine) / steps
@@ -184,26 +192,33 @@ def place_of(fine: xr.DataArray, overview: xr.DataArray, *, near: tuple[float, f
         begin + d * (offset + (n - 1) / 2)
         for begin, d, offset, n in zip(first, steps, shift, search.shape(best), strict=True)
     )
-    share = max(shares) if near is None else min(max(shares), MAX_UNCERTAINTY)
-    place = Place(y, x, float(best[0]), float(best[1]), float(surface.max()), float(share))
-    _check_place(place, fine, overview)
-    return place
+    return Place(y, x, float(best[0]), float(best[1]), float(surface.max()), float(max(shares)))
 
 
 def _around(overview: xr.DataArray, fine: xr.DataArray, near: tuple[float, float]) -> xr.DataArray:
     """Return the part of an overview in which a map may lie whose middle is stated (x, y; m)."""
-    parts = {}
-    for axis, middle, side, step in zip("yx", near[::-1], side_lengths(fine), spacing(overview), strict=True):
-        reach = side * (0.5 + MAX_UNCERTAINTY)
-        inside = np.flatnonzero(np.abs(overview[axis].values - middle) <= reach)
-        if inside.size * step < side:
+    sides = np.array(side_lengths(fine))
+    part = part_around(overview, near[::-1], sides * (1 + 2 * MAX_UNCERTAINTY))
+    for axis, middle, side, length in zip("yx", near[::-1], sides, side_lengths(part), strict=True):
+        if length < side:
             name = overview.attrs.get("source_file") or "the overview"
             raise HeightMapError(
                 f"overview_position: with its middle at {axis} = {quantity(middle, 'm')} the map reaches "
                 f"beyond {name}; state x and y from the lower left corner of the overview"
             )
-        parts[axis] = slice(int(inside[0]), int(inside[-1]) + 1)
-    return overview.isel(parts)
+    return part
+
+
+def part_around(
+    height: xr.DataArray, middle: Sequence[float] | np.ndarray, sides: Sequence[float] | np.ndarray
+) -> xr.DataArray:
+    """Return the points of a map (y, x; m) whose centres lie in a rectangle of these sides (y, x; m)."""
+    return height.isel(
+        {
+            axis: np.flatnonzero(np.abs(height[axis].values - centre) <= side / 2)
+            for axis, centre, side in zip("yx", middle, sides, strict=True)
+        }
+    )
 
 
 def shown_by(fine: xr.DataArray, overview: xr.DataArray) -> xr.DataArray:

@@ -1,0 +1,112 @@
+"""Maps of one place, before and after something was done to it: the part that all of them show.
+
+The middle of the later map is looked for in the earlier one, as a map is in its overview. Both are cropped to
+what they share; neither is interpolated, which would smooth its shortest waves, so that a turn stays.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.arguments.maps import dimensions, side_lengths, spacing
+from roughcontact.arguments.measurement import add_remark
+from roughcontact.arguments.quantities import quantity
+from roughcontact.errors import HeightMapError
+from roughcontact.surface.faces.placing import (
+    MAX_UNCERTAINTY,
+    MIN_CORRELATION,
+    Place,
+    best_place,
+    measured_rectangle,
+    part_around,
+)
+from roughcontact.surface.levelling.level import level
+
+_MIN_CORRELATION = 0.5  # of the middle with the earlier map; wear takes from it, another place gives less
+_TEMPLATE = 0.5  # side of what is looked for, over that of the smaller map
+
+
+class Registered(NamedTuple):
+    """Where a map lies in the earlier one of its place."""
+
+    shift: np.ndarray  # (y, x), m: position in the earlier map less that in the map itself
+    place: Place
+
+
+def registered(later: xr.DataArray, earlier: xr.DataArray) -> Registered:
+    """Return where a measured map lies in an earlier one of the same place (y, x; m).
+
+    Where the middle fits at several places, as on grooves, the one next to its own position is meant.
+
+    Raises
+    ------
+    HeightMapError
+        for maps that do not show the same place.
+    """
+    fields = [measured_rectangle(level(height)) for height in (earlier, later)]
+    sides = _TEMPLATE * np.min([side_lengths(field) for field in fields], axis=0)
+    middle = np.array([float(fields[1][axis].mean()) for axis in "yx"])
+    template = part_around(fields[1], middle, sides)
+    middle = np.array([float(template[axis].mean()) for axis in "yx"])
+    place, least = best_place(template, fields[0]), _MIN_CORRELATION
+    if place.uncertainty > MAX_UNCERTAINTY:
+        reach = np.array(side_lengths(template)) * (1 + 2 * MAX_UNCERTAINTY)
+        place, least = best_place(template, part_around(fields[0], middle, reach)), MIN_CORRELATION
+    if place.correlation < least:
+        names = [str(height.attrs.get("source_file") or "a map") for height in (later, earlier)]
+        where = "at no place alone" if least > _MIN_CORRELATION else "nowhere"
+        raise HeightMapError(
+            f"before: {names[0]} does not show the place of {names[1]}: its middle fits {where}, best "
+            f"{place}, and has to have {least}; measure the same place, shifted by less than a quarter of "
+            "the map, or leave before empty"
+        )
+    return Registered(np.array([place.y, place.x]) - middle, place)
+
+
+def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], name: str) -> xr.DataArray:
+    """Return what of a map (y, x; m) all maps of its place show, with where it was found in its attributes.
+
+    `maps` are in the order of time, each by its name; `earlier` has that of the map before each but the
+    first. Profiles, which stand for their surface and not for a place, are left as they are.
+
+    Examples
+    --------
+    >>> from roughcontact.surface.synthetic import rough_reference_surface
+    >>> field = rough_reference_surface(128)
+    >>> maps = {"new": field[:120, :120], "worn": field[4:124, 2:122].assign_coords(field[:120, :120].coords)}
+    >>> [common_part(maps, {"worn": "new"}, name).shape for name in maps]
+    [(116, 118), (116, 118)]
+    """
+    height = maps[name]
+    if min(dimensions(each.shape) for each in maps.values()) < 2:
+        return height
+    found = {each: registered(maps[each], maps[before]) for each, before in earlier.items()}
+    shifts: dict[str, np.ndarray] = {}
+    for each in maps:
+        shifts[each] = shifts[earlier[each]] + found[each].shift if each in earlier else np.zeros(2)
+    cuts = {}
+    for row, axis in enumerate("yx"):
+        first, last = (
+            [float(each[axis][end]) + shifts[key][row] for key, each in maps.items()] for end in (0, -1)
+        )
+        step = spacing(height)[row]
+        points = min(height.sizes[axis], round((min(last) - max(first)) / step) + 1)
+        begin = round((max(first) - shifts[name][row] - float(height[axis][0])) / step)
+        begin = min(max(begin, 0), height.sizes[axis] - points)
+        cuts[axis] = slice(begin, begin + points)
+    part = height.isel(cuts)
+    sentences = []
+    if name in found:
+        y, x = found[name].shift
+        moved = f"shifted by ({quantity(x, 'm')}, {quantity(y, 'm')})"
+        words = str(replace(found[name].place, scale=1.0)).partition("), ")[2]  # turn and correlation
+        sentences.append(f"the place of {earlier[name]}, {moved}, {words}")
+    if part.shape != height.shape:
+        sizes = (" × ".join(map(str, each.shape[::-1])) for each in (part, height))
+        sentences.append("cropped to {} of {} points, which all maps of the place show".format(*sizes))
+    for text in sentences:
+        part = part.assign_attrs(add_remark(part.attrs, text, fact=True))
+    return part
