@@ -291,19 +291,18 @@ def test_the_bar_fits_the_terminal_and_says_what_is_at_work(monkeypatch):
     assert last == "[####----------------] 1 of 5 jobs, about 1 min left: panel"
 
 
-def test_a_dry_run_shows_all_that_snakemake_shows():
+def test_a_dry_run_shows_one_line_of_each_surface():
     run = Run(planned=True)
     run.begin()
-    run.tell("rule prepare:\n    input: ground.x3p", event="job_info")
+    for number in (1, 3, 2, 4, 5):
+        run.start(number, 0)
     run.tell("Reasons:\n    why")
-    assert run.lines[1:] == [
-        "",
-        "Job stats:",
-        "...",
-        "rule prepare:",
-        "    input: ground.x3p",
-        "Reasons:",
-        "    why",
+    run.tell("This was a dry-run (flag -n).")
+    assert run.lines == [
+        "2 results, 5 jobs",
+        "ground: prepare, draw",
+        "turned: prepare, draw",
+        "This is a plan: nothing was done.",
     ]
 
 

@@ -23,12 +23,18 @@ _PREAMBLE = ("Assuming unrestricted shared filesystem", "Building DAG of jobs", 
 _BAR = 20  # characters
 _PAGE = Path("results/report.html")  # which a run of single results leaves as it is
 _LAST = ("panel",)  # the rule whose job is the last one of a result
+_STEPS = {
+    "prepare_with_overview": "prepare",
+    "prepare_face": "prepare",
+    "panel": "draw",
+}  # of a plan, by rule
 
 
 class Screen:
     """The screen of one run, fed with the records of Snakemake's logger.
 
-    With a `bar` the last line may be written over, as on a terminal; of a dry run (`planned`) all is shown.
+    With a `bar` the last line may be written over, as on a terminal; of a dry run (`planned`) each result
+    has a line of what would be done.
     """
 
     def __init__(self, stream: TextIO, *, bar: bool, planned: bool = False):
@@ -40,13 +46,14 @@ class Screen:
         self.endings: dict[int | None, str] = {}  # how the script of a job has ended, by thread
         self.clock = Clock()
         self.logs: dict[str, list[str]] = {}
+        self.plans: dict[str, dict[str, None]] = {}  # steps of each result, in order
         self.page = ""
 
     def show(self, record: logging.LogRecord, text: str) -> None:
         """Show what one record changes; `text` is what Snakemake would show."""
         event = str(getattr(record, "event", None) or "")
-        if self.planned:
-            self._line(text)
+        if self.planned and event == "job_info":
+            self._plan(vars(record))
         elif expected := getattr(record, "expected_minutes", None):  # the Snakefile reports it
             self.clock.expected = dict(expected)
         elif event == "error" and "CalledProcessError" in text:
@@ -59,6 +66,8 @@ class Screen:
             self._line(text)
         elif event == "workflow_started":
             self.begun = True
+        elif self.planned and text.startswith("This was a dry-run"):
+            self._line("This is a plan: nothing was done.")
         elif event == "run_info":
             self._announce(record)
         elif event:
@@ -81,6 +90,15 @@ class Screen:
         self.results = sum(stats.get(rule, 0) for rule in _LAST)
         results = f"{self.results} result{'s' * (self.results != 1)}, " if self.results else ""
         self._line(f"{results}{self.clock.total} jobs")
+
+    def _plan(self, fields: Mapping[str, Any]) -> None:
+        """Note a job of a plan; with the last one of a result show what would be done for it."""
+        rule, result = fields["rule_name"], _result(fields)
+        owner = re.sub("-(counter-)?face$", "", result) if rule == "prepare_face" else result
+        self.plans.setdefault(owner, {})[_STEPS.get(rule, rule)] = None
+        if rule in _LAST:
+            shared = self.plans.get(re.sub(r"-\d+$", "", result), {})  # of the faces of a placement
+            self._line(f"{result}: {', '.join(shared | self.plans.pop(result))}")
 
     def _follow(self, event: str, record: logging.LogRecord) -> None:
         """Show the progress of the run after an event of one of its jobs."""
