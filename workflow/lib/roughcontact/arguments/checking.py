@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from inspect import signature
 from typing import TYPE_CHECKING, Any, get_args
 
-from roughcontact.arguments.choices import Lay
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
 
@@ -204,17 +203,6 @@ def check_keys(section: str, values: Mapping[str, Any] | None, function: Callabl
         raise SettingsError(
             f"{section} has {', '.join(values) or 'no keys'}: takes {', '.join(names)}", keys=[section]
         )
-
-
-def check_lay(lay: object) -> None:
-    """Raise SettingsError for an unknown lay of a profile, and for one along which it was measured."""
-    if lay == "along":
-        raise SettingsError(
-            "lay = 'along': a profile along the lay runs on one ridge and shows nothing of the others, which "
-            "carry the load; give it as one of `along` beside those across the lay (in a table in one group)",
-            keys=["lay"],
-        )
-    check_choice("lay", lay, Lay)
 
 
 def check_positive(name: str, value: Any, *, unit: str) -> float:

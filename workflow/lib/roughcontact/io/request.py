@@ -4,8 +4,9 @@ import math
 from dataclasses import dataclass, fields
 from numbers import Real
 
-from roughcontact.arguments.checking import check_choice, check_lay
+from roughcontact.arguments.checking import check_choice
 from roughcontact.arguments.choices import Checksum, FirstRow, Resampling
+from roughcontact.arguments.lays import check_lay
 
 # information missing in a file: the arguments of read_height_map, the columns of the table of surfaces
 FILE_OPTIONS = {

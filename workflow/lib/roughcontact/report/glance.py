@@ -20,7 +20,6 @@ from roughcontact.arguments.answers import (
 from roughcontact.arguments.quantities import Unit, percent, quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.report.allowed import allowed_in_words, stated_allowed
-from roughcontact.report.tables import is_profile
 from roughcontact.report.units import (
     hardness_reached,
     has_number,
@@ -33,7 +32,7 @@ from roughcontact.report.units import (
 )
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.decisions import CLOSED, gap_is_closed, is_yielding
-from roughcontact.statistics.kinds import facts_of_numbers
+from roughcontact.statistics.kinds import reason_without_flow
 from roughcontact.statistics.outcome import FAILED, VERDICTS
 from roughcontact.statistics.precision import precision_in_words
 
@@ -243,10 +242,8 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
 
 def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return whether the gap is closed to a fluid, else leak rate and narrowest place."""
-    if not has_number(numbers, "gap_percolates_x"):
-        return Cell(NOT_JUDGED, facts_of_numbers(numbers).noun)
-    if is_profile(numbers):
-        return Cell(NOT_JUDGED, "a profile does not tell")
+    if (reason := reason_without_flow(numbers)) or not has_number(numbers, "gap_percolates_x"):
+        return Cell(NOT_JUDGED, reason)
     decisions = {axis: gap_is_closed(numbers, axis)[index] for axis in "xy"}
     percolates = [axis for axis in "xy" if float(numbers[f"gap_percolates_{axis}"][index])]
     is_open = [

@@ -8,10 +8,10 @@ import xarray as xr
 
 from roughcontact.arguments.answers import COLUMNS
 from roughcontact.arguments.quantities import number, percent
-from roughcontact.arguments.variables import VARIABLES, Numbers
+from roughcontact.arguments.variables import VARIABLES
 from roughcontact.report.units import lacks_interval, number_text, unit_of
 from roughcontact.statistics.contact_checks import rubber_like
-from roughcontact.statistics.kinds import facts_of_numbers, load_in_words
+from roughcontact.statistics.kinds import facts_of_numbers, load_in_words, reason_without_flow
 
 # of bodies with layers, for each material and for each interface
 _OF_LAYERS = (
@@ -45,7 +45,7 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
         ]
         if title == "Stress below the surface":
             available += _of_layers(numbers)
-        if title == "Sealing" and is_profile(numbers):
+        if title == "Sealing" and reason_without_flow(numbers):
             continue
         if not available:
             continue
@@ -78,11 +78,6 @@ def _of_layers(numbers: xr.Dataset) -> list[tuple[str, str, str, int]]:
         if name in numbers
         for index in range(numbers[name].shape[-1])
     ]
-
-
-def is_profile(numbers: Numbers) -> bool:
-    """Return whether a surface is a profile: its window has a length along one axis alone."""
-    return any(np.isnan(float(numbers.get(f"window_length_{axis}", 0.0))) for axis in "xy")
 
 
 def _column(

@@ -29,6 +29,15 @@ def facts_of_numbers(numbers: Numbers) -> KindFacts:
     return FINITE_BODY if np.isfinite(own).any() else PERIODIC_MAP
 
 
+def reason_without_flow(numbers: Numbers) -> str:
+    """Return why no fluid flows through the gap of these numbers, nothing where one may."""
+    kind = facts_of_numbers(numbers)
+    if not kind.has_flow:
+        return kind.noun
+    lengths = [float(numbers.get(f"window_length_{axis}", 0.0)) for axis in "xy"]
+    return "a profile does not tell" if np.isnan(lengths).any() else ""
+
+
 def load_in_words(pressure: float, numbers: Numbers) -> tuple[str, str]:
     """Return name and text of a mean pressure (Pa) as a load: of a body of finite size the force.
 

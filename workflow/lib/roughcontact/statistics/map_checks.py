@@ -12,6 +12,7 @@ import xarray as xr
 from roughcontact.arguments.checking import MAX_GRADIENT
 from roughcontact.arguments.finite_body import form_radii
 from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.lays import lay_facts
 from roughcontact.arguments.measurement import Measurement, json_attribute
 from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
 from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
@@ -269,16 +270,12 @@ def sample(statistics: xr.Dataset) -> Check:
 
 def lay(statistics: xr.Dataset, window: Attributes) -> Check | None:
     """Check that it is stated of a profile whether it is one of ridges or of an isotropic surface."""
-    if "profile_warnings" in window:
-        if warnings := json_attribute(window, "profile_warnings"):
-            return review(" ".join(warnings))
-        if window["lay"] == "both":
-            return passed(f"Waves along the lay are {number(window['stretch'])} times as long as across.")
-        return passed("No lay, as stated: the numbers are those of isotropic surfaces with this spectrum.")
+    if warnings := json_attribute(window, "profile_warnings"):
+        return review(" ".join(warnings))
+    if stated := lay_facts(window).finding:
+        return passed(stated.format(stretch=number(window.get("stretch", 1.0))))
     if not np.isnan([statistics[f"window_length_{axis}"] for axis in "xy"]).any():
         return None
-    if "lay" in window:
-        return passed("The profile runs across a lay, as stated: its ridges are endless.")
     comparison = ""
     if "relative_contact_area_if_isotropic" in statistics:
         ridges, isotropic = (

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from roughcontact.arguments.lays import lay_facts
 from roughcontact.io.checksums import checksum
 from roughcontact.io.size import estimate_points
 from roughcontact.study.dependencies import source_digest
@@ -152,7 +153,7 @@ class RuleArguments:
             return 0
         row = self.plan.row(split(result)[1])
         # of profiles without a lay, or of both directions, a surface is solved
-        is_surface_behind = row.read_arguments.get("lay") == "none" or "along" in row.read_arguments
+        is_surface_behind = lay_facts(row.read_arguments).has_surface_behind or "along" in row.read_arguments
         least_points = 2**18 if is_surface_behind else 0
         return max(estimate_points(row.path), least_points)
 

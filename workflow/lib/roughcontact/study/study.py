@@ -7,9 +7,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from roughcontact.arguments.checking import check_choice, check_lay, marker_values
+from roughcontact.arguments.checking import check_choice, marker_values
 from roughcontact.arguments.choices import Checksum, FirstRow, Resampling
 from roughcontact.arguments.kinds import PERIODIC_MAP
+from roughcontact.arguments.lays import check_lay
 from roughcontact.arguments.settings.models import Composite, Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.units import unit_factor, unknown_unit

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.checking import check_labelled, check_lay, check_positive
+from roughcontact.arguments.checking import check_labelled, check_positive
+from roughcontact.arguments.lays import ACROSS, BOTH, ISOTROPIC, check_lay, lay_facts
 from roughcontact.arguments.maps import dimensions, height_map, spacing
 from roughcontact.arguments.measurement import json_attributes
 from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
@@ -21,7 +22,6 @@ from roughcontact.surface.profiles.spectrum import ProfileFit
 from roughcontact.surface.window.sides import friendly_sides
 
 Profiles = xr.DataArray | Sequence[xr.DataArray]
-ISOTROPIC, BOTH = "none", "both"  # the lay of profiles that have a surface behind them
 _LAY_BY_DIRECTIONS = {1: ISOTROPIC, 2: BOTH}
 _MAX_POINTS = 512  # per side of a surface, unless others are asked for
 _MAX_PIECE_POINTS = 8192  # points of a profile: longer ones are cut
@@ -184,7 +184,7 @@ def fit_profiles(stack: xr.DataArray) -> ProfileFit:
 
 def is_drawn(height: xr.DataArray | xr.Dataset) -> bool:
     """Return whether of profiles, or of what was made of them, a surface behind them is solved."""
-    return height.attrs.get("lay") in (ISOTROPIC, BOTH)
+    return lay_facts(height.attrs).has_surface_behind
 
 
 def are_lines(height: xr.DataArray) -> bool:
@@ -198,7 +198,7 @@ def with_lay(height: xr.DataArray, lay: str | None, along: Profiles) -> xr.DataA
     if lay is not None:
         check_lay(lay)
         height = height.assign_attrs(lay=lay)
-    if len(along) and lay != "across":
+    if len(along) and lay != ACROSS:
         raise SettingsError(
             f"along: is of a surface with a lay, and lay = {lay!r}; state lay = 'across'", keys=["lay"]
         )

@@ -1,0 +1,49 @@
+"""The lay of a surface as it is stated of profiles of it, and what follows from each."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from roughcontact.arguments.checking import check_choice
+from roughcontact.arguments.choices import Lay
+from roughcontact.errors import SettingsError
+
+ACROSS, ISOTROPIC, BOTH = "across", "none", "both"
+
+
+class LayFacts(NamedTuple):
+    """What is known of profiles by their stated lay."""
+
+    has_surface_behind: bool  # which is solved, instead of the profile as ridges
+    finding: str  # of the check, with the attributes of the window
+
+
+_LAYS = {
+    ACROSS: LayFacts(False, "The profile runs across a lay, as stated: its ridges are endless."),
+    ISOTROPIC: LayFacts(
+        True, "No lay, as stated: the numbers are those of isotropic surfaces with this spectrum."
+    ),
+    BOTH: LayFacts(True, "Waves along the lay are {stretch} times as long as across."),
+}
+_NOT_STATED = LayFacts(False, "")
+
+
+def lay_facts(attrs: Mapping[str, Any]) -> LayFacts:
+    """Return what the attribute `lay` of a map, or the argument of a file, states; mostly nothing.
+
+    Examples
+    --------
+    >>> lay_facts({"lay": "none"}).has_surface_behind, lay_facts({}).has_surface_behind
+    (True, False)
+    """
+    return _LAYS.get(attrs.get("lay", ""), _NOT_STATED)
+
+
+def check_lay(lay: object) -> None:
+    """Raise SettingsError for an unknown lay of a profile, and for one along which it was measured."""
+    if lay == "along":
+        raise SettingsError(
+            "lay = 'along': a profile along the lay runs on one ridge and shows nothing of the others, which "
+            "carry the load; give it as one of `along` beside those across the lay (in a table in one group)",
+            keys=["lay"],
+        )
+    check_choice("lay", lay, Lay)
