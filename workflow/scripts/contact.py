@@ -34,18 +34,16 @@ elif not paths.statistics:
         statistics = pipeline.statistics_of_settings(window, settings)(contact).load()
 
 overviews = separate_overviews(read_dataset(paths.overview)) if paths.overview else ()
-if paths.uncertainty:
-    budget = read_dataset(paths.uncertainty)
-else:
-    with opened_dataset(paths.levelled) as file:  # read on demand, not beside the solution
-        budget = kind.budget(SolvedMap(file["height"], window, settings, solver, for_budget, overviews))
-save(budget, output.uncertainty, recorded["uncertainty"], source=window.attrs)
-
-if statistics is None:
-    complete = read_dataset(paths.statistics)
-else:
-    budget = read_dataset(output.uncertainty)
-    complete = pipeline.complete_statistics(statistics, window, budget, settings, solver)
+with opened_dataset(paths.levelled) as levelled:  # read on demand, not beside the solution
+    solved = SolvedMap(levelled["height"], window, settings, solver, for_budget, overviews)
+    budget = read_dataset(paths.uncertainty) if paths.uncertainty else kind.budget(solved)
+    save(budget, output.uncertainty, recorded["uncertainty"], source=window.attrs)
+    if statistics is None:
+        complete = read_dataset(paths.statistics)
+    else:
+        budget = read_dataset(output.uncertainty)
+        complete = pipeline.complete_statistics(statistics, window, budget, settings, solver)
+        complete = pipeline.after_creep(complete, solved)
 complete = complete.assign_attrs(earlier_cases())
 save(complete, output.statistics, recorded["statistics"], source=window.attrs)
 remove_superseded(output.statistics)

@@ -136,6 +136,11 @@ ALLOWED_VALUES = {
     "gap": AllowedValue("mean gap", (GAP,), "m", GAP),
     "contact_area": AllowedValue("relative contact area", (AREA,), "1", AREA, sense=-1),
 }
+# what is known of bodies that have crept under a constant load
+CREEPING = (
+    *(AREA, GAP, "contact_radius", CONDUCTANCE, "thermal_conductance", "electrical_conductance"),
+    *("joint_conductance", "leak_rate_x", "leak_rate_y"),
+)
 USUAL = (AREA, PRESSURE, GAP)  # what is shown where nothing in particular is asked for
 # column of a table at a glance -> the numbers of which any shows that it is asked for
 ASKED_BY = {

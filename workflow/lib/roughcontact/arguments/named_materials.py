@@ -7,6 +7,7 @@ from functools import cache
 from importlib import resources
 from typing import Any, NamedTuple
 
+from roughcontact.arguments.materials import RIGID
 from roughcontact.arguments.ranges import OF_BODIES, name_of_range, shares_of_range, weighted
 from roughcontact.arguments.stacks import top_material
 from roughcontact.errors import SettingsError
@@ -65,9 +66,12 @@ def named_bodies(bodies: Sequence[Any]) -> list[Any]:
     """Return bodies with names of materials replaced by their properties; what a mapping states goes before.
 
     Conductivity and resistivity are taken from the table only where all bodies and layers have them; the
-    hardness is that of the outermost layer with a name. What the table states has its range.
+    hardness is that of the outermost layer with a name. What the table states has its range. A body may be
+    called rigid.
     """
+    rigid = {"name": "rigid", "youngs_modulus": RIGID, "poissons_ratio": 0.0}
     mappings = [{"material": body} if isinstance(body, str) else body for body in bodies]
+    mappings = [rigid if body == {"material": "rigid"} else body for body in mappings]
     full: list[Any] = []
     pairs: list[tuple[Any, Any]] = []
     for body in mappings:

@@ -8,6 +8,7 @@ a series, so that what a fit to both leaves over tells how far a table is from s
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +18,13 @@ import scipy
 
 from roughcontact.arguments.bodies import check_poissons_ratio
 from roughcontact.arguments.checking import check_positive
+from roughcontact.arguments.si import convert_quantity
 from roughcontact.arguments.units import unit_factor, unknown_unit
 from roughcontact.errors import SettingsError
 
 TERMS_PER_DECADE = 10
 MAX_MISFIT = 0.1  # rms, relative: beyond, E' and E'' are not those of one linear material
+RUBBER_RATIO = 0.5  # Poisson's, where none is stated
 _COLUMNS = {
     "frequency": r"(f|freq|frequency)",
     "angular": r"(omega|ω|angular frequency)",
@@ -39,7 +42,7 @@ class Relaxation:
     long_time_modulus: float
     moduli: np.ndarray
     times: np.ndarray
-    poissons_ratio: float = 0.5
+    poissons_ratio: float = RUBBER_RATIO
     misfit: float = 0.0  # rms relative difference of E' and E'' from the table
     frequencies: tuple[float, float] = (0.0, np.inf)  # 1/s, angular: the range of the table
 
@@ -49,13 +52,45 @@ class Relaxation:
         young: np.ndarray = self.long_time_modulus + (phase / (1 + phase)) @ self.moduli
         return young / (1 - self.poissons_ratio**2)
 
+    def creep_modulus(self, time: float) -> float:
+        """Return the inverse (Pa) of the creep compliance after a time (s), with that of the table in it.
+
+        J(t) = 1/E_0 - sum exp(-r t)/(r^2 dE/dr), r the rates at which the modulus E(s = -r) is zero: one
+        below each rate of relaxation (Tschoegl 1989, The Phenomenological Theory of Linear Viscoelastic
+        Behavior, chapter 3).
+        """
+        shortest, longest = (1 / limit if limit else np.inf for limit in self.frequencies[::-1])
+        if not shortest <= time <= longest:
+            raise SettingsError(
+                f"relaxation: after {time:g} s the creep is not known, its table is of {shortest:.2g} to "
+                f"{longest:.2g} s",
+                keys=["time"],
+            )
+        poles, place = np.unique(1 / self.times, return_inverse=True)
+        moduli, plateau = np.bincount(place, self.moduli), self.long_time_modulus
+
+        def modulus(logarithm: float) -> float:
+            rate = np.exp(logarithm)
+            return float(plateau + (moduli * rate / (rate - poles)).sum())
+
+        lowest = poles[0] * plateau / (2 * (plateau + moduli.sum()))
+        compliance = 1 / plateau
+        for below, above in pairwise(np.log([lowest, *poles])):
+            rate = np.exp(scipy.optimize.brentq(modulus, below + 1e-12, above - 1e-12))
+            compliance -= np.exp(-rate * time) / (rate * (moduli * poles / (poles - rate) ** 2).sum())
+        return float(1 / compliance)
+
+    def at_rest(self) -> float:
+        """Return Young's modulus (Pa) at the lowest frequency that is known."""
+        return float(self.contact_modulus(np.array(self.frequencies[0])).real * (1 - self.poissons_ratio**2))
+
     def compliance(self, frequency: np.ndarray) -> np.ndarray:
         """Return the complex 1/E* (1/Pa) at angular frequencies (1/s)."""
         compliance: np.ndarray = 1 / self.contact_modulus(frequency)
         return compliance
 
 
-def relaxation_of(relaxation: Any, *, poissons_ratio: float = 0.5) -> Relaxation:
+def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> Relaxation:
     """Return the relaxation that a table (path or DataFrame) or a mapping states.
 
     Examples
@@ -83,6 +118,22 @@ def relaxation_of(relaxation: Any, *, poissons_ratio: float = 0.5) -> Relaxation
         series.misfit,
         (low / factor, high / factor),
     )
+
+
+def relaxing_body(body: Any) -> Any:
+    """Return a body whose relaxation is stated with its modulus at rest, where it states none.
+
+    Examples
+    --------
+    >>> rubber = relaxing_body({"relaxation": {"long_time_modulus": 3e6, "moduli": [27e6], "times": [1e-4]}})
+    >>> print(rubber["youngs_modulus"], rubber["poissons_ratio"])
+    3000000.0 0.5
+    """
+    if not isinstance(body, Mapping) or not isinstance(body.get("relaxation"), str | Mapping):
+        return body
+    stated = {key: value for key, value in body.items() if value is not None}
+    modulus = stated.get("youngs_modulus") or relaxation_of(body["relaxation"]).at_rest()
+    return {"poissons_ratio": RUBBER_RATIO} | stated | {"youngs_modulus": modulus}
 
 
 def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
@@ -165,17 +216,22 @@ def _series(stated: Mapping[str, Any], ratio: float) -> Relaxation:
     for key in ("long_time_modulus", "moduli", "times"):
         if stated.get(key) is None:
             raise SettingsError(f"relaxation.{key}: missing from the Prony series", keys=["relaxation"])
-    plateau = check_positive("relaxation.long_time_modulus", stated["long_time_modulus"], unit="Pa")
-    moduli, times = (
-        np.array([check_positive(f"relaxation.{key}", number, unit=unit) for number in np.ravel(stated[key])])
-        for key, unit in (("moduli", "Pa"), ("times", "s"))
+    plateau, moduli, times = (
+        np.array(
+            [
+                check_positive(name, convert_quantity(unit, name, number), unit=unit)
+                for number in np.ravel(stated[key])
+            ]
+        )
+        for key, unit in (("long_time_modulus", "Pa"), ("moduli", "Pa"), ("times", "s"))
+        for name in [f"relaxation.{key}"]
     )
     if moduli.size != times.size:
         raise SettingsError(
             f"relaxation: {moduli.size} moduli and {times.size} times; give a time for each modulus",
             keys=["relaxation"],
         )
-    return Relaxation(plateau, moduli, times, ratio)
+    return Relaxation(float(plateau[0]), moduli, times, ratio)
 
 
 def _shift(stated: Mapping[str, Any]) -> float:

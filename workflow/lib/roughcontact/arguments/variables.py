@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, QUANTITIES, TOTALS
+from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, CREEPING, QUANTITIES, TOTALS
 from roughcontact.errors import RoughContactError
 
 Numbers = xr.Dataset | Mapping[str, Any]  # statistics, or their plain values by name
@@ -74,6 +74,11 @@ _DERIVED = [
     "contact_radius",
     *TOTALS,
 ]
+VARIABLES |= {
+    f"{name}_after": (VARIABLES[name][0], f"{VARIABLES[name][1]}; after a time under a constant load")
+    for name in CREEPING
+}
+_DERIVED += [f"{name}_after" for name in CREEPING]
 _DERIVED += [f"{name}_flow_factor_{axis}" for name in ("pressure", "shear") for axis in "xy"]
 _DERIVED += [
     f"{property_name}_{quantity_name}"

@@ -14,6 +14,7 @@ from roughcontact.arguments.positions import separate_positions
 from roughcontact.arguments.settings.stages import stage_settings
 from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import solve_contact
+from roughcontact.evaluation.creep import with_creep
 from roughcontact.evaluation.kinds import kind_of
 from roughcontact.evaluation.kinds.periodic_map import STATED_LOADS, SolvedMap
 from roughcontact.evaluation.requirement import with_largest_roughness
@@ -88,8 +89,9 @@ def run_chain(
             solution = result.solution.assign(height=window)
             file.complete(solution.assign_attrs(provenance(**origin, stage="contact")))
     progress(len(loads), len(loads), "error budget")
-    budget = kind.budget(SolvedMap(level_result, window, settings, solver, result.for_budget, located))
-    statistics = complete_statistics(result.statistics, window, budget, settings, solver)
+    solved = SolvedMap(level_result, window, settings, solver, result.for_budget, located)
+    statistics = complete_statistics(result.statistics, window, kind.budget(solved), settings, solver)
+    statistics = after_creep(statistics, solved)
     statistics = statistics.assign_attrs(provenance(**origin, stage="statistics"))
     return Chain(level_result, window, statistics, located)
 
@@ -186,6 +188,22 @@ def complete_statistics(
     complete = with_largest_roughness(complete, asked, at_roughness, area=area)
     result = add_verdicts(add_precision(complete).assign_attrs(_properties(window, settings)), window)
     return kind.add_improvement(result)
+
+
+def after_creep(statistics: xr.Dataset, solution: SolvedMap) -> xr.Dataset:
+    """Return the statistics with what the contact has become after the times that its bodies state."""
+    settings, kind = solution.settings, kind_of(solution.window, solution.settings)
+
+    def crept(modulus: float) -> xr.Dataset:
+        """Return the statistics with another contact modulus, and their intervals."""
+        softer = {**settings, "contact": {**settings["contact"], "contact_modulus": modulus}}
+        solver = {**solution.solver, "contact_modulus": modulus}
+        result = solve_and_evaluate(solution.window, softer, solver)
+        again = solution._replace(settings=softer, solver=solver, inputs=result.for_budget)
+        numbers = with_uncertainty(result.statistics, kind.budget(again))
+        return kind.with_corrected_sizes(numbers, result.statistics)
+
+    return with_creep(statistics, settings["contact"], crept)
 
 
 def _properties(window: xr.DataArray, settings: Settings) -> dict[str, Any]:

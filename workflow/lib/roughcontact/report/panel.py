@@ -112,6 +112,7 @@ def write_panel(
         tables=tables.number_tables(numbers, checks.load_flags(numbers, window_map.size)),
         outcomes=[outcome_of(numbers, index) for index in range(numbers.sizes["load"])],
         material=tables.material_table(numbers, indices),
+        creep=tables.creep_table(numbers, indices),
         files=relative_links(path, files) if linked else [],
         methods=methods_paragraph(numbers) if "level" in recorded_settings else "",
         settings=json.dumps(settings, indent=1, sort_keys=True),

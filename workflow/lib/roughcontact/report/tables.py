@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import COLUMNS
+from roughcontact.arguments.answers import COLUMNS, CREEPING, TITLES, UNITS
 from roughcontact.arguments.quantities import number, percent
 from roughcontact.arguments.variables import VARIABLES
-from roughcontact.report.units import lacks_interval, number_text, unit_of
+from roughcontact.report.units import has_number, lacks_interval, number_text, unit_of
 from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.statistics.kinds import facts_of_numbers, load_in_words, reason_without_flow
 
@@ -91,6 +91,45 @@ def _column(
     if lacks_interval(numbers, name):
         head = (f"{title}, no ±", *head[1:])
     return head, [number_text(numbers, name, unit_shown, load) for load in range(numbers.sizes["load"])]
+
+
+def creep_table(numbers: xr.Dataset, load_indices: Sequence[int]) -> Table | None:
+    """Return the table of what a contact has become under constant loads; None where no body creeps."""
+    if "time" not in numbers.dims:
+        return None
+    names = [name for name in CREEPING if name in TITLES and has_number(numbers, f"{name}_after")]
+    units = {name: unit_of(numbers, UNITS[name]) for name in names}
+    head = (
+        f"{TITLES[name]} ({unit.symbol})" if unit.symbol else TITLES[name] for name, unit in units.items()
+    )
+    rows = []
+    for index in load_indices:
+        load = load_in_words(float(numbers["mean_pressure"][index]), numbers)[1]
+        rows.append([load, "at once", *(number_text(numbers, name, units[name], index) for name in names)])
+        for place, time in enumerate(numbers["time"].values):
+            after = {
+                f"{name}{end}": numbers[f"{name}_after{end}"].values[:, place]
+                for name in names
+                for end in ("", "_lower", "_upper")
+                if f"{name}_after{end}" in numbers
+            }
+            flows = not np.isfinite(after[names[0]][index])
+            cells = ("–" if flows else number_text(after, name, units[name], index) for name in names)
+            rows.append([load, _duration(float(time)), *cells])
+    return {"header": [facts_of_numbers(numbers).load_symbol, "after", *head], "rows": rows}
+
+
+def _duration(seconds: float) -> str:
+    """Return a time in words: years, or hours and minutes from two on.
+
+    Examples
+    --------
+    >>> [_duration(seconds) for seconds in (5.0, 3600.0, 3.6e6, 315576000.0)]
+    ['5 s', '60 min', '1000 h', '10 years']
+    """
+    longest_first = (("years", 31557600.0, 1), ("h", 3600.0, 2), ("min", 60.0, 2), ("s", 1.0, 0))
+    name, length = next((name, length) for name, length, least in longest_first if seconds >= least * length)
+    return f"{seconds / length:.4g} {name}"
 
 
 def material_table(numbers: xr.Dataset, load_indices: Sequence[int]) -> Table | None:

@@ -29,7 +29,7 @@ _LEADING = ("mean_pressure", "relative_pressure", AREA, f"{AREA}_pixels")
 # dimensions
 _NOT_IN_TABLE = {
     *_BINS,
-    *("depth", "source", "hardness_over_modulus", "tangential_load", "input", "cutoff", "component"),
+    *("depth", "source", "hardness_over_modulus", "tangential_load", "input", "cutoff", "component", "time"),
     *("member", "material", "interface"),
 }
 # labels of a dimension that are the same for all surfaces

@@ -162,6 +162,7 @@ Resistivity = Annotated[Positive, Range("Ohm m", 1e-9, 0.1)]
 Force = Annotated[Positive, Range("N", 1e-9, 1e8)]
 Area = Annotated[Positive, Range("m2", 1e-14, 1e3)]
 Viscosity = Annotated[Positive, Range("Pa s", 5e-6, 10)]
+Time = Annotated[Positive, Range("s", 1e-9, 1e11)]
 Speed = Annotated[Positive, Range("m s-1", 1e-9, 1e3)]
 Diffusivity = Annotated[Positive, Range("m2 s-1", 1e-8, 1e-2)]
 Work = Annotated[Positive, Range("J m-2", 1e-5, 10)]
@@ -185,6 +186,7 @@ RelativeLoads = Annotated[list[Annotated[Positive, BeforeValidator(_relative_loa
 Loads = Annotated[list[Pressure], _LISTED, _ONE_OR_MORE]
 Radii = Annotated[list[Radius], Field(min_length=1, max_length=2), _ONE_OR_MORE]
 Forces = Annotated[list[Force], _LISTED, _ONE_OR_MORE]
+Times = Annotated[list[Time], Field(min_length=1, max_length=100), _ONE_OR_MORE]
 Slips = Annotated[
     list[Annotated[Number, Field(gt=0, le=1)]], Field(min_length=1, max_length=100), _ONE_OR_MORE
 ]
@@ -349,6 +351,14 @@ class Body(Section):
     """Young's modulus E, Pa; it, the hardness and the conductivities may be ranges, [1.1 GPa, 1.8 GPa]"""
     poissons_ratio: Annotated[Number, Field(gt=-1, le=0.5)] | None = Field(examples=[0.3])
     """Poisson's ratio, no unit"""
+    creep_modulus: dict[Time, Modulus] | None = _example({"1 h": "2.1 GPa", "1000 h": "1.4 GPa"})
+    """stress over strain after a time under a constant stress, Pa by s: the results then include area, gap,
+    conductance and leak after these times (docs/how-to/after-ten-years.md)"""
+    relaxation: str | dict[str, Any] | None = _example("measured/dma.csv")
+    """of a rubber: path of a table of storage and loss modulus over frequency, or a Prony series
+    {long_time_modulus, moduli, times}; {table, wlf, reference_temperature, temperature} for another
+    temperature (docs/how-to/rubber.md); without youngs_modulus that is E' at the lowest frequency or the
+    long-time modulus, without poissons_ratio that is 0.5"""
     base: Literal["rigid"] | None = None
     """rigid: the layers lie on a base that does not give way, and the body has no elastic constants of its
     own"""
@@ -439,6 +449,8 @@ class Contact(Section):
     """further states whose load is found and solved: percolation, at which the gap closes along x and along
     y; first_yield, at which a body begins to yield (its yield_stress below the surface, otherwise the
     hardness)"""
+    time: Times | None = _example(["1 h", "1000 h"])
+    """times after which a body has crept by its relaxation, s; those of a creep_modulus stand there"""
     contact_modulus_uncertainty: HalfRange | None = _example(0.05)
     """of the contact modulus, relative, expanded (95 %), no unit; it is part of the ±"""
     mean_pressure_uncertainty: RelativeUncertainty | None = _example(0.02)

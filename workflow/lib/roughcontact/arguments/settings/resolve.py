@@ -103,6 +103,10 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
             contact_section["bodies"] = [
                 body | no_hardness if isinstance(body, dict) else body for body in named_bodies(stated_bodies)
             ]
+            if any(isinstance(body, dict) and body.get("relaxation") for body in contact_section["bodies"]):
+                from roughcontact.arguments.relaxation import relaxing_body  # with all that reads tables
+
+                contact_section["bodies"] = [*map(relaxing_body, contact_section["bodies"])]
     except SettingsError as error:
         return {}, [*mistakes, _mistake(f"{where}.bodies", f": {error}")]
     try:
@@ -123,6 +127,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         starmap(_mistake, _settings_of_other_kinds(settings)),
         _mistakes_in_loads(contact, where),
         _mistakes_in_statistics(settings),
+        _mistakes_in_creep(contact, where),
         _mistakes_in_wear(settings["wear"], contact),
         _mistakes_in_sliding(settings["sliding"]),
     )
@@ -189,6 +194,22 @@ def _mistakes_in_statistics(settings: Mapping[str, Any]) -> Iterator[SettingsErr
             yield _mistake(
                 f"statistics.{stated[0]}", f": is the same limit as requirement.{name}; state one of them"
             )
+
+
+def _mistakes_in_creep(contact: Mapping[str, Any], where: str) -> Iterator[SettingsError]:
+    """Yield what is wrong with the times after which bodies have crept."""
+    bodies = contact["bodies"] or ()
+    creeping = [body for body in bodies if body["creep_modulus"]]
+    if (creeping or contact["time"]) and properties_of_bodies(bodies):
+        yield _mistake(
+            f"{where}.bodies", ": layers creep otherwise than a body; leave the times of creep out"
+        )
+    if contact["time"] and creeping:
+        yield _mistake(f"{where}.time", ": is of a relaxation; a creep_modulus has its own times")
+    elif contact["time"] and not any(body["relaxation"] for body in bodies):
+        yield _mistake(f"{where}.time", ": needs the relaxation of a body")
+    if len({tuple(body["creep_modulus"]) for body in creeping}) > 1:
+        yield _mistake(f"{where}.bodies", ": both creep moduli need the same times, in the same order")
 
 
 def _mistakes_in_wear(wear: Mapping[str, Any], contact: Mapping[str, Any]) -> Iterator[SettingsError]:
