@@ -117,9 +117,9 @@ SERIES = {"long_time_modulus": "1 MPa", "moduli": ["2 MPa"], "times": [1.0]}
 @pytest.mark.parametrize(
     ("bodies", "further", "words"),
     [
-        ([CREEPING], {"time": "1 h"}, "time: is of a relaxation; a creep_modulus has its own times"),
-        ([POLYMER], {"time": "1 h"}, "time: needs the relaxation of a body"),
-        ([CREEPING | {"layers": [LAYER]}], {}, "bodies: layers creep otherwise than a body"),
+        ([CREEPING, "rigid"], {"time": "1 h"}, "time: is of a relaxation; a creep_modulus has its own times"),
+        ([POLYMER, "rigid"], {"time": "1 h"}, "time: needs the relaxation of a body"),
+        ([CREEPING | {"layers": [LAYER]}, "rigid"], {}, "bodies: layers creep otherwise than a body"),
         ([CREEPING, CREEPING | {"creep_modulus": {"1 h": "2 GPa"}}], {}, "need the same times"),
         ([CREEPING | {"creep_modulus": {"1 week": "2 GPa"}}], {}, "unknown time unit 'week'"),
         ([{"relaxation": "none.csv"}], {}, "relaxation = none.csv: not read as a table"),

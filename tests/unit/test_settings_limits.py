@@ -23,7 +23,8 @@ ABOVE_ONE, BELOW_ONE = math.nextafter(1, 2), math.nextafter(1, 0)
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": None}
 # what else may be said of a body, where it is said of both
 MORE = {"yield_stress": 4e8, "thermal_conductivity": 50.0, "electrical_resistivity": 2e-7}
-MORE |= {"name": "steel", "base": None, "layers": None} | {name_of_range(name): None for name in OF_BODIES}
+MORE |= dict.fromkeys(("base", "layers", "creep_modulus", "relaxation"))
+MORE |= {"name": "steel"} | {name_of_range(name): None for name in OF_BODIES}
 COATING = {"thickness": 1e-6, "youngs_modulus": 2e11, "poissons_ratio": 0.2}
 COATING |= {"thermal_conductivity": 2.0, "electrical_resistivity": 1e-3}
 SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3, "perimeter": 0.1}
@@ -62,6 +63,8 @@ LIMITS = {
     "contact.bodies": ([[STEEL | MORE] * 2], [[], [STEEL], [STEEL] * 3]),
     "contact.bodies.youngs_modulus": ([f"{checking.SMALLEST} Pa"], [0, -1]),
     "contact.bodies.poissons_ratio": ([math.nextafter(-1, 0), 0.5], [-1, math.nextafter(0.5, 1)]),
+    "contact.bodies.creep_modulus": ([{"3600.0": 1e9}, None], [{-1: 1e9}, {"1 h": 0}]),
+    "contact.time": ([[1.0], [f"{SMALLEST} s", "1 h"]], [0, [], [1, -1]]),
     "contact.bodies.layers.thickness": ([1e-9], [0, -1]),
     "contact.bodies.layers.youngs_modulus": ([1e9], [0, -1]),
     "contact.bodies.layers.poissons_ratio": (
@@ -193,6 +196,12 @@ def configured(key, value):
     if key.startswith("contact.bodies.layers."):
         layer = COATING | {key.rpartition(".")[2]: value}
         return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | {"layers": [layer]}]}}
+    if key == "contact.bodies.creep_modulus":  # by times
+        value = {value: 1e9} if isinstance(value, float | str) else value
+        value = {"1 h": value} if isinstance(value, bool) else value
+    if key == "contact.time":
+        series = {"long_time_modulus": 1e6, "moduli": 1e6, "times": 1.0}
+        return {"contact": {"bodies": [{"relaxation": series}, "rigid"], "time": value}}
     if key.startswith("contact.bodies."):
         hard = {"hardness": 1e9} if key.endswith("hardness_uncertainty") else {}
         return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | hard | {key.rpartition(".")[2]: value}]}}
@@ -228,6 +237,8 @@ def without_unit(value):
     if isinstance(value, list):
         return [without_unit(entry) for entry in value]
     written = isinstance(value, str) and value[:1].isdigit() and " " in value
+    if value == "1 h":
+        return 3600.0
     return float(value.partition(" ")[0]) if written else value
 
 
@@ -296,6 +307,7 @@ def test_every_setting_with_a_unit_has_a_range_in_which_bare_numbers_are_plausib
                 "form.radius",
                 "contact.target_gap",
                 "contact.unload",
+                "contact.time",
                 "wear.distance",
                 "sliding.speed",
                 "composite.rotations",
