@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 _BLOCK = 3  # points per side of the blocks that confine aggregates: so the coarse networks remain sparse
 _STRONG = 0.05  # minimum share of the smaller diagonal for a link that joins two points to one aggregate
-_COARSEST = 300  # unknowns that are solved directly
+_COARSEST = 100  # unknowns that are solved directly; for more, threads of linear algebra spin
 _SMOOTHING = 2 / 3  # of damped Jacobi: the largest eigenvalue of the scaled matrix is 2 at most
 _ROUNDING = 1e-26  # share of the largest diagonal below which values are squares of rounding errors
 _SOLVED = 1e-9  # share of the largest force below which a residual asks for no step
