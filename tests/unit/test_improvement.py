@@ -20,7 +20,7 @@ from roughcontact.uncertainty.groups import group_statistics
 from roughcontact.uncertainty.improvement import (
     half_width_of_mean,
     halving_line,
-    maps_to_halve,
+    maps_for,
     planning_line,
 )
 from roughcontact.uncertainty.scales import AREA
@@ -145,7 +145,7 @@ def test_the_number_of_maps_is_the_smallest_that_halves():
     groups = calibration.table()["groups"]
     expected, divisor = groups["freedom"], groups["half_width"][AREA]
     for of_window, half_width in ((0.3, 0.3), (0.3, 0.35), (0.2, 0.5)):
-        maps = maps_to_halve(of_window, half_width, 0.0)
+        maps = maps_for(half_width / 2, of_window, 0.0)
         widths = []
         for n in (max(maps - 1, 2), maps):
             total = expected + n - 1

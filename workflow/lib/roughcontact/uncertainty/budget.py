@@ -12,6 +12,7 @@ from roughcontact.arguments.ranges import ends, name_of_range
 from roughcontact.arguments.si import as_si
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError
+from roughcontact.statistics.allowed import ENDS
 from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.surface.window.transfer import undone
@@ -38,7 +39,7 @@ from roughcontact.uncertainty.instrument import add_correction_source, instrumen
 from roughcontact.uncertainty.intervals import Octave, add_pressure, area_for_the_load, interval_columns
 from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.sample import constrictions_in_grooves, sample_attributes
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PEAK, PRESSURE, to_scale
+from roughcontact.uncertainty.scales import AREA, PEAK, PRESSURE, to_scale
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, magnification_curve, next_octave
 
@@ -140,9 +141,7 @@ def error_budget(
     >>> budget["mean_gap_uncertainty"].sel(source="combined").item() < 1e-5
     True
     """
-    _check_maps(levelled, window)
-    for source in sources:
-        check_choice("uncertainty.sources", source, UncertaintySource)
+    _check(levelled, window, sources)
     contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
     # a load that does not converge gives NaN instead of ending the job
     lenient, load = {**contact, "on_failure": "flag"}, loads_of(contact)
@@ -171,25 +170,30 @@ def error_budget(
     if "window" in sources:
         scatter = scatter_of(result, levelled, arguments=settings["window"], number=windows)
         middle |= {name: middle[name] + offset for name, offset in scatter.shift.items()}
-        grooves = constrictions_in_grooves(window) if CONSTRICTIONS[0] in middle else []
+        grooves = {*constrictions_in_grooves(window)} & {*middle}
         scatter = scatter._replace(open_ended={key: solved[f"{key}_half_way"].values > 0 for key in grooves})
         attrs = sample_attributes(scatter, levelled)
         columns |= _columns_of_members(result, scatter)
     instrument = stated_instrument(levelled, settings.get("instrument"))
-    of_material = {
+    stated_sources = [source for source in OF_MATERIAL if source in sources]
+    ranges = {
         key: settings["contact"].get(name_of_range(key))
-        for source, keys in OF_MATERIAL.items()
-        for key in keys
-        if source in sources
+        for source in stated_sources
+        for key in OF_MATERIAL[source]
     }
-    softest, hardest = ends(result.hardness, of_material.get(HARDNESS))
-    columns |= _ends_of_hardness(softest, hardest)
-    sensitivities, of_inputs = input_uncertainty(
-        result, solved, of_material | (instrument if "instrument" in sources else {})
-    )
+    ranges |= instrument if "instrument" in sources else {}
+    hardness = ends(result.hardness, ranges.get(HARDNESS))
+    sensitivities, of_inputs = input_uncertainty(result, solved, ranges)
     columns |= {f"{name}_sensitivity": (("load", "input"), slopes) for name, slopes in sensitivities.items()}
+    columns |= {
+        f"{HARDNESS}{end}": ((), limit)
+        for end, limit in zip(ENDS[1:], hardness, strict=True)
+        if hardness[0] < hardness[1]
+    }
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
-    components |= _material_components(of_inputs, sources)
+    components |= {
+        source: _summed(of_inputs[key] for key in OF_MATERIAL[source]) for source in stated_sources
+    }
     if "instrument" in sources:
         as_measured = (
             periodic_window(levelled, **{**settings["window"], "correct_for": None})
@@ -197,36 +201,31 @@ def error_budget(
             else None
         )
         causes, as_measured_values = instrument_components(result, instrument, as_measured, true_shapes)
-        components["instrument"] = _summed(
-            [
-                # before the amplifications, which have components of the pressure in contact of their own
-                add_pressure(_summed(causes), area_for_the_load(result, middle)),
-                *(of_inputs[key] for key in AMPLIFICATIONS),
-            ]
-        )
+        # amplifications have components of the pressure in contact of their own
+        causes = [add_pressure(_summed(causes), area_for_the_load(result, middle))]
+        components["instrument"] = _summed([*causes, *(of_inputs[key] for key in AMPLIFICATIONS)])
         columns |= {f"{name}_as_measured": ("load", value) for name, value in as_measured_values.items()}
     if "unresolved" in sources:
-        curve = magnification_curve(result)
-        columns |= curve
-        octave = {}
-        if not band_is_chosen(settings, window):
-            components["unresolved"] = hidden_waves(window, curve, instrument, true_shapes)
-            octave = next_octave(window, curve, instrument.get("finer_spectrum"))
+        columns |= (curve := magnification_curve(result))
+        is_chosen = band_is_chosen(settings, window)
+        octave = {} if is_chosen else next_octave(window, curve, instrument.get("finer_spectrum"))
+        components["unresolved"] = {} if is_chosen else hidden_waves(window, curve, instrument, true_shapes)
     columns |= interval_columns(
-        result, as_solved, middle, components, scatter=scatter, octave=octave, hardest=hardest
+        result, as_solved, middle, components, scatter=scatter, octave=octave, hardest=hardness[1]
     )
     labels = {"source": [*SOURCES, COMBINED], "component": [*SIDES], "input": [*INPUTS]}
     return xr.Dataset(columns, {"mean_pressure": ("load", load), **labels}, attrs)
 
 
-def _check_maps(levelled_map: xr.DataArray, window: xr.DataArray) -> None:
-    """Refuse a map that `level` has not returned, or of which the window is not a part."""
-    wrong = ""
+def _check(levelled_map: xr.DataArray, window: xr.DataArray, sources: Sequence[UncertaintySource]) -> None:
+    """Refuse unknown sources, and a map that `level` has not returned, or whose part the window is not."""
+    for source in sources:
+        check_choice("uncertainty.sources", source, UncertaintySource)
     for height in (levelled_map, window):
         check_labelled(height)
-    if missing := int(levelled_map.isel(measured_slices(levelled_map, window)).isnull().sum()):
-        wrong = f"the levelled map has {missing} missing points where the window lies"
-    elif "form" in window.attrs and "form" not in levelled_map.attrs:
+    missing = int(levelled_map.isel(measured_slices(levelled_map, window)).isnull().sum())
+    wrong = f"the levelled map has {missing} missing points where the window lies" if missing else ""
+    if not missing and "form" in window.attrs and "form" not in levelled_map.attrs:
         wrong = "the window is of a levelled map, and this map was not levelled"
     if wrong:
         raise HeightMapError(
@@ -236,30 +235,11 @@ def _check_maps(levelled_map: xr.DataArray, window: xr.DataArray) -> None:
 
 def _columns_of_members(result: Result, scatter: Scatter) -> dict[str, tuple]:
     """Return `{quantity}_parts` (member, load), NaN but at the loads that are solved."""
-    columns: dict[str, tuple] = {}
-    pressure = result.load[result.few] / scatter.members[AREA]
-    for name, results in {**scatter.members, PRESSURE: pressure}.items():
-        at_loads = np.full((len(results), result.load.size), np.nan)
-        at_loads[:, result.few] = results
-        columns[f"{name}_parts"] = ("member", "load"), at_loads
-    return columns
-
-
-def _ends_of_hardness(softest: float, hardest: float) -> dict[str, tuple]:
-    """Return the ends of the range of the hardness (Pa), if there is one."""
-    both = {f"{HARDNESS}_lower": ((), softest), f"{HARDNESS}_upper": ((), hardest)}
-    return both if softest < hardest else {}
-
-
-def _material_components(
-    of_inputs: Mapping[str, Components], sources: Sequence[UncertaintySource]
-) -> dict[UncertaintySource, Components]:
-    """Return the components of those sources that are made of inputs of the material."""
-    return {
-        source: _summed(of_inputs[key] for key in keys)
-        for source, keys in OF_MATERIAL.items()
-        if source in sources
-    }
+    members = {**scatter.members, PRESSURE: result.load[result.few] / scatter.members[AREA]}
+    at_loads = {name: np.full((len(numbers), result.load.size), np.nan) for name, numbers in members.items()}
+    for name, numbers in members.items():
+        at_loads[name][:, result.few] = numbers
+    return {f"{name}_parts": (("member", "load"), numbers) for name, numbers in at_loads.items()}
 
 
 def _index_of_the_peak(solution: xr.Dataset, hardness: float) -> int:

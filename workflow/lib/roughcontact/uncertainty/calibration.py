@@ -17,8 +17,9 @@ from importlib import resources
 from typing import Any, Literal, get_args
 
 import numpy as np
+import scipy
 
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, PRESSURE, inverse_erf_area
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PRESSURE, inverse_erf_area
 
 Measurand = Literal["surface", "next", "map", "alone", "joint"]
 ALONE: Literal["alone"] = "alone"  # the surface by the fine map alone, where there is an overview
@@ -57,18 +58,22 @@ def scatter_between_maps(name: str, half_width: np.ndarray | float) -> tuple[np.
 
 
 def arms(
-    measurand: Measurand, name: str, features: Features, area: np.ndarray
+    measurand: Measurand, name: str, features: Features, area: np.ndarray, gap: np.ndarray | float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how far the truth lies below and above a result (load), on its scale; negative if it is apart.
 
     `area` (load) tells the loads of the bank apart. The trend, the mean of the subwindows less the result,
-    moves both where the features have it.
+    moves both where the features have it. `gap` is the mean gap over the rms height, by which that of the
+    truth is limited (`limit_of_gap`), alone for the joint, of which a map says nothing else.
     """
-    key = "surface" if measurand == ALONE else measurand
-    lower, upper = look_up(table()["arms"][key][entry(name)], area)
+    key: Measurand = "surface" if measurand == ALONE else measurand
+    lower = upper = np.full(np.shape(area), np.inf)
+    if key != JOINT:
+        lower, upper = look_up(table()["arms"][key][entry(name)], area)
     size = _expected_size(table()["size"][entry(name)], features)
-    shift = 0.0 if measurand == "map" else features.get("trend", 0.0)
-    return lower * size - shift, upper * size + shift
+    shift = 0.0 if key == "map" else features.get("trend", 0.0)
+    limit = limit_of_gap(key, area, gap) if name == GAP else np.inf
+    return lower * size - shift, np.fmin(upper * size + shift, limit)
 
 
 def overview_arms(
@@ -80,31 +85,25 @@ def overview_arms(
     those of the bank arms are interpolated in their logarithm, finer ones have the nearest. Of much coarser
     ones nothing is known (inf).
     """
-    by_pixels = table()["overview" if sees_map else "elsewhere"].get(measurand, {}).get(name)
-    if by_pixels is None:
-        return 0.0, *np.full((2, *np.shape(area)), np.inf)
+    by_pixels = table()["overview" if sees_map else "elsewhere"].get(measurand, {}).get(name, {})
     x, logarithms = math.log(pixels), np.log([float(key) for key in by_pixels])
+    if not by_pixels or x > logarithms[-1] + math.log(_COARSER):
+        return 0.0, *np.full((2, *np.shape(area)), np.inf)
     share = float(np.interp(x, logarithms, [arm["share"] for arm in by_pixels.values()]))
-    rows = np.array([look_up(arm, area) for arm in by_pixels.values()])
-    place = float(np.interp(x, logarithms, np.arange(logarithms.size)))
-    first = min(int(place), logarithms.size - 2)
-    down, up = rows[first] + (place - first) * (rows[first + 1] - rows[first])
-    if x > logarithms[-1] + math.log(_COARSER):
-        down, up = np.full((2, *np.shape(area)), np.inf)
-    return share, down, up
+    rows = scipy.interpolate.make_interp_spline(
+        logarithms, [look_up(arm, area) for arm in by_pixels.values()], k=1
+    )
+    return share, *rows(np.clip(x, *logarithms[[0, -1]]))
 
 
-def limit_of_gap(measurand: Measurand, area: np.ndarray, gap: np.ndarray) -> np.ndarray:
+def limit_of_gap(measurand: Measurand, area: np.ndarray, gap: np.ndarray | float) -> np.ndarray:
     """Return how far the mean gap of the truth may lie above that of a map at most, on its scale (load).
 
     `gap` is over the rms height of the map: on the logarithm the errors of the gap grow without end as it
     closes, in rms heights they do not. Below the lightest load of the bank nothing is known (inf).
     """
-    limits = table()["limit_of_gap"].get(measurand)
-    if limits is None:
-        return np.full(np.shape(area), np.inf)
-    x = np.log(np.maximum(inverse_erf_area(area), 1e-12))
-    larger = np.interp(x, limits["load"], limits["up"], left=np.inf)
+    limits = table()["limit_of_gap"].get(measurand, {"load": [math.inf], "up": [math.inf]})
+    larger = np.interp(_logarithm_of_load(area), limits["load"], limits["up"], left=np.inf)
     with np.errstate(divide="ignore"):
         return np.log1p(larger / gap)
 
@@ -113,8 +112,13 @@ def look_up(
     numbers_by_load: Mapping[str, list[float]], area: np.ndarray, keys: Sequence[str] = ("down", "up")
 ) -> list[np.ndarray]:
     """Return calibrated numbers, known by "load" (the scale of the area), at contact areas (load)."""
-    x = np.log(np.maximum(inverse_erf_area(area), 1e-12))
+    x = _logarithm_of_load(area)
     return [np.interp(x, numbers_by_load["load"], numbers_by_load[key]) for key in keys]
+
+
+def _logarithm_of_load(area: np.ndarray) -> np.ndarray:
+    """Return the scale of contact areas, by which the loads of the bank are known."""
+    return np.log(np.maximum(inverse_erf_area(area), 1e-12))
 
 
 def octave_arms(name: str) -> tuple[float, float]:

@@ -7,24 +7,22 @@ u² = (u2 - r u1)² + (1 - r²) u1² (JCGM 100:2008, 5.2.2).
 
 from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.quantities import percent
 from roughcontact.errors import SettingsError
+from roughcontact.statistics.allowed import ENDS
 from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads
-from roughcontact.uncertainty.combination import SOURCES
+from roughcontact.uncertainty.combination import SIGNS, SOURCES
 from roughcontact.uncertainty.groups import (
-    HEIGHTS,
     SHARED,
     check_alike,
     check_sizes,
-    from_scale,
     needed_for_groups,
     scaled_components,
-    to_scale,
 )
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.improvement import ADVICE
@@ -40,13 +38,14 @@ from roughcontact.uncertainty.random_effects import (
     student,
     welch,
 )
-from roughcontact.uncertainty.scales import AREA, extend_to_loads
+from roughcontact.uncertainty.scales import CONSTRICTIONS, extend_to_loads, from_scale, to_scale
 
 RELEVANT = 0.1  # relative difference that matters, unless another one is stated
 DIFFER = "differ"
 _MAX_MAPS = 500  # maps: more are not asked for
 _MIN_DIFFERENCE = 1e-4  # relative difference: no smaller one is named
 _MORE_PLACES = "measure several places of each"
+_RATIOS = tuple(f"ratio{end}" for end in ENDS)
 _ALL_CASES = 3  # up to so many, every two are compared
 
 
@@ -103,7 +102,7 @@ def compare_groups(
         compared = _compared(first, second, paired=paired)
     except SettingsError as error:
         raise SettingsError(f"compare_groups: {error}") from error
-    return _add_test_results([compared], relevant)[0]
+    return _add_test_results({"": compared}, relevant)[""]
 
 
 def compare_all(
@@ -121,31 +120,29 @@ def compare_all(
     """
     results, omissions = {}, []
     maps_of_place: dict[str, set[str]] = {}  # by each of them
-    for earlier_map, later_map in same_area_pairs:
-        chain = {name for map_ in (earlier_map, later_map) for name in maps_of_place.get(map_, {map_})}
+    for same_area in same_area_pairs:
+        chain = {name for map_ in same_area for name in maps_of_place.get(map_, {map_})}
         maps_of_place |= dict.fromkeys(chain, chain)
     for pair in cases or combinations(groups, 2):
-        first_group, second_group = (groups[name].assign_attrs(group=name) for name in pair)
-        maps = list(first_group["map"].values)
+        first, second = (groups[name].assign_attrs(group=name) for name in pair)
+        maps = list(first["map"].values)
         earlier = [
-            "".join(map_name for map_name in maps if map_name in maps_of_place.get(name, ()))
-            for name in second_group["map"].values
+            "".join(name for name in maps if name in maps_of_place.get(later, ()))
+            for later in second["map"].values
         ]
-        is_paired = bool(cases) or sorted(earlier) == sorted(maps)
-        if any(earlier) and not is_paired:
+        if sorted(earlier) == sorted(maps) and not cases:
+            second = second.assign_coords(map=earlier)
+        elif any(earlier) and not cases:
             omissions.append(
                 f"{' and '.join(pair)} place by place: not all maps have one of their place in the other, "
                 "and no more, so that they are compared as groups of different places; leave out the others"
             )
         try:
-            results[pair] = _compared(
-                first_group,
-                second_group if cases or not is_paired else second_group.assign_coords(map=earlier),
-                paired=is_paired,
-            )
+            is_paired = bool(cases) or sorted(earlier) == sorted(maps)
+            results[pair] = _compared(first, second, paired=is_paired)
         except SettingsError as error:
             omissions.append(str(error))
-    return dict(zip(results, _add_test_results(list(results.values()), relevant), strict=True)), omissions
+    return _add_test_results(results, relevant), omissions
 
 
 def case_pairs(names: Sequence[str]) -> list[tuple[str, str]]:
@@ -169,7 +166,7 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     order; NaN without a positive number, uncertainty or bound. Errors are as correlated as the results of the
     same parts of the window, those of the solver independent, those of the material where the moduli differ.
     """
-    return _compare_two_maps(first, second).table
+    return _compare_two_maps(first, second).table[[*_RATIOS]]
 
 
 def compare_maps(
@@ -192,24 +189,25 @@ def compare_maps(
             results[pair] = _compare_two_maps(*common, of_place=pair in of_place)
         except SettingsError as error:
             omissions.append(str(error))
-    return dict(zip(results, _add_test_results(list(results.values()), relevant), strict=True)), omissions
+    return _add_test_results(results, relevant), omissions
 
 
 def _select_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[xr.Dataset]:
     """Return what comparisons need of two maps, loads rising, at the mean pressures that both reach."""
     maps = [data.sortby("mean_pressure") for data in maps]
     loads = common_loads(" and ".join(names), names, maps)
-    tables = []
-    for data in maps:
-        load, quantities = data["mean_pressure"].values, headline_names(data)
-        part, columns = data[needed_for_groups(map(str, data.variables))], {}
-        for name in [name for name, variable in part.variables.items() if "load" in variable.dims]:
-            by_load = part[name].transpose("load", ...)
-            values = to_scale(name, by_load.values) if name in quantities else by_load.values
-            values = interpolated(load, loads, values)
-            columns[name] = by_load.dims, from_scale(name, values) if name in quantities else values
-        tables.append(part.drop_vars([*columns]).assign(columns).assign(mean_pressure=("load", loads)))
-    return tables
+    return [_at_loads(data[needed_for_groups(map(str, data.variables))], loads) for data in maps]
+
+
+def _at_loads(data: xr.Dataset, loads: np.ndarray) -> xr.Dataset:
+    """Return the results of a map at other loads (Pa), those with a scale interpolated on it."""
+    columns, quantities = {}, headline_names(data)
+    for name in [name for name, variable in data.variables.items() if "load" in variable.dims]:
+        by_load = data[name].transpose("load", ...)
+        values = to_scale(name, by_load.values) if name in quantities else by_load.values
+        values = interpolated(data["mean_pressure"].values, loads, values)
+        columns[name] = by_load.dims, from_scale(name, values) if name in quantities else values
+    return data.drop_vars([*columns]).assign(columns).assign(mean_pressure=("load", loads))
 
 
 def _widths(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarray:
@@ -222,66 +220,62 @@ def _widths(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarra
         components = scaled_components(name, data)
         return _of_place(name, data, components) if of_place else components
     components = np.zeros((data.sizes["load"], len(SOURCES), 4))
-    middle = to_scale(name, data[name].values)
-    for side, (bound, sign) in enumerate((("lower", -1.0), ("upper", 1.0))):
-        values = data.get(f"{name}_{bound}", data[name] * np.nan).values
-        components[:, 0, side] = sign * (to_scale(name, values) - middle)
+    components[:, 0, :2] = np.transpose(_reach(name, data, ENDS[1:]))
     return components
+
+
+def _reach(name: str, data: xr.Dataset, endings: Sequence[str]) -> list[np.ndarray]:
+    """Return how far the ends of an interval lie below and above its value (load), on the scale."""
+    middle = to_scale(name, data[name].values)
+    ends = [to_scale(name, data.get(f"{name}{end}", data[name] * np.nan).values) for end in endings]
+    return [middle - ends[0], ends[1] - middle]
 
 
 def _of_place(name: str, data: xr.Dataset, components: np.ndarray) -> np.ndarray:
     """Return components (load, source, component), those of the source `window` of this map alone."""
-    window, middle = SOURCES.index("window"), to_scale(name, data[name].values)
+    window = SOURCES.index("window")
     others = np.delete(components, window, axis=1)
     result = components.copy()
     result[:, window, 2:] = 0.0
-    for side, (bound, sign) in enumerate((("lower", -1.0), ("upper", 1.0))):
-        reach = sign * (to_scale(name, data[f"{name}_map_{bound}"].values) - middle)
-        reach = np.maximum(reach - others[..., 2 + side].sum(axis=1), 0.0)
-        left = np.sqrt(np.maximum(reach**2 - (others[..., side] ** 2).sum(axis=1), 0.0))
+    for side, reach in enumerate(_reach(name, data, ("_map_lower", "_map_upper"))):
+        reach_of_widths = np.maximum(reach - others[..., 2 + side].sum(axis=1), 0.0)
+        left = np.sqrt(np.maximum(reach_of_widths**2 - (others[..., side] ** 2).sum(axis=1), 0.0))
         result[:, window, side] = np.fmin(left, components[:, window, side])
     return result
 
 
 class _Compared(NamedTuple):
-    """The ratios of two groups, and what a judgement of them needs, arrays (quantity, load)."""
+    """The ratios of two groups, and what a judgement of them needs."""
 
+    # (quantity, load): `ratio` and its ends, `p_value`, `largest_source`, the index of that with the largest
+    # part in what differs, or is shared; of groups also, on the scale, `spread`, the standard deviation of a
+    # part (of a pair of maps), `shared`, the half-width that more maps would not make smaller, and `mean` of
+    # the first group
     table: xr.Dataset
-    p_value: np.ndarray
     load_correlations: list[np.ndarray]  # of each quantity, of the scatter (load, load), at least
-    # all that follows is of groups alone
     paired: bool = True
-    maps: int = 0  # or parts, of the smaller group
+    maps: int = 0  # or parts, of the smaller group; 0 for two maps
     noun: str = ""  # what more of would tell
-    spread: np.ndarray = np.empty(0)  # standard deviation of a part (of a pair of maps), on the scale
-    shared: np.ndarray = np.empty(0)  # half-width, on the scale, that more maps would not make smaller
-    largest_source: np.ndarray = np.empty(0)  # index of that with the largest part in it, also of two maps
-    mean: np.ndarray = np.empty(0)  # of the first group, on the scale
     of_place: bool = False  # two maps of one place, and no other
 
 
 def _compare_two_maps(first: xr.Dataset, second: xr.Dataset, *, of_place: bool = False) -> _Compared:
     """Return the comparison of two maps, of this place alone or not, without a judgement."""
     loads = min(first.sizes["load"], second.sizes["load"])
-    first_data, second_data = (data.isel(load=slice(loads)) for data in (first, second))
-    names, zeros = _names(first_data, second_data), np.zeros(loads)
-    rows, p_values, causes = [], [], []
-    for name in names:
-        x0, x1 = (to_scale(name, data[name].values) for data in (first_data, second_data))
-        first_widths, second_widths = (
-            _widths(name, data, of_place=of_place) for data in (first_data, second_data)
-        )
-        widths = first_widths, second_widths
-        correlations = _correlations(name, first_data, second_data)
-        half_widths = _unshared_half_widths(*widths, correlations)
-        rows.append(_ratios(name, (x0, x1), widths, correlations, scatter=zeros))
-        towards_none = np.where(x1 > x0, *half_widths) / student(np.array(np.inf))
-        p_values.append(p_value(x1 - x0, towards_none, zeros + np.inf))
-        causes.append(_largest_source(*widths, correlations))
-    table = _table(names, first_data["mean_pressure"].values, rows)
+    maps = [data.isel(load=slice(loads)) for data in (first, second)]
+    zeros, rows = np.zeros(loads), {}
+    for name in _names(*maps):
+        values = [to_scale(name, data[name].values) for data in maps]
+        widths = [_widths(name, data, of_place=of_place) for data in maps]
+        correlations = _correlations(name, *maps)
+        difference, half_widths = values[1] - values[0], _unshared_half_widths(widths, correlations)
+        towards_none = np.where(difference > 0, *half_widths) / student(np.array(np.inf))
+        rows[name] = _ratios(name, values, widths, correlations, scatter=zeros)
+        rows[name]["p_value"] = p_value(difference, towards_none, zeros + np.inf)
+        rows[name]["largest_source"] = _largest_source(widths, correlations)
+    table = _table(rows, maps[0]["mean_pressure"].values)
     # nothing is known of how the errors at two loads go together
-    p, largest = (np.reshape(values, (len(names), loads)) for values in (p_values, causes))
-    return _Compared(table, p, [np.eye(loads)] * len(names), of_place=of_place, largest_source=largest)
+    return _Compared(table, [np.eye(loads)] * len(rows), of_place=of_place)
 
 
 def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compared:
@@ -322,72 +316,63 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
             f"{' and '.join(labels)}: no load in common, and {short[0]} has two loads alone, "
             "between which a difference is not known; solve them at the same mean_pressure, or at more loads"
         )
-    correlation = _source_correlations(first, second)
-    names = _names(first, second)
-    count = 0
-    rows, columns, load_correlations = [], [], []
-    part_names = [list(data["part"].values) for data in groups]
-    for name in names:
-        values, (shared_widths, second_shared) = zip(
-            *(_scaled_numbers(name, data, loads) for data in groups), strict=True
-        )
-        of_groups = _effects(values, part_names)
-        contrast = _effects([values[1] - values[0]], part_names[:1]) if paired else of_groups
+    correlation, part_names = _source_correlations(*groups), [list(data["part"].values) for data in groups]
+
+    def contrast_of(values: Sequence[np.ndarray]) -> list[Effects]:
+        """Return the effects of both groups, or of the changes of pairs."""
+        contrasts = [values[1] - values[0]] if paired else values
+        return [random_effects(*numbers) for numbers in zip(contrasts, part_names, strict=False)]
+
+    rows, load_correlations, units = {}, [], 0
+    for name in _names(*groups):
+        values, shared = zip(*(_scaled_numbers(name, data, loads) for data in groups), strict=True)
+        contrast = contrast_of(values)
         difference, error, freedom = _difference(contrast)
+        # a ratio is of logarithms
+        _, log_error, log_freedom = _difference(contrast_of([_logarithm(name, each) for each in values]))
+        means = [random_effects(*numbers).mean for numbers in zip(values, part_names, strict=True)]
+        rows[name] = _ratios(name, means, shared, correlation, scatter=student(log_freedom) * log_error)
+        rows[name] |= {
+            "p_value": p_value(difference, error, freedom),
+            "spread": np.sqrt(np.mean([effects.error**2 * effects.units for effects in contrast], axis=0)),
+            "shared": np.maximum(*_unshared_half_widths(shared, correlation)),
+            "largest_source": _largest_source(shared, correlation),
+            "mean": means[0],
+        }
+        units = min(effects.units for effects in contrast)
         deviations = np.concatenate([effects.deviations for effects in contrast])
-        spread = np.sqrt(np.mean([effects.error**2 * effects.units for effects in contrast], axis=0))
-        count = min(effects.units for effects in contrast)
-        half_widths = _unshared_half_widths(shared_widths, second_shared, correlation)
         load_correlations.append(correlation_at_least(deviations, len(deviations) - len(contrast)))
-        scatter = student(freedom) * error
-        if name == AREA:  # on the logarithm instead
-            logs = [_logarithm(name, of_maps) for of_maps in values]
-            of_logs = _effects([logs[1] - logs[0]] if paired else logs, part_names[: len(contrast)])
-            _, log_error, log_freedom = _difference(of_logs)
-            scatter = student(log_freedom) * log_error
-        means = [effects.mean for effects in of_groups]
-        rows.append(_ratios(name, means, (shared_widths, second_shared), correlation, scatter=scatter))
-        largest = _largest_source(shared_widths, second_shared, correlation)
-        columns.append(
-            (p_value(difference, error, freedom), spread, np.maximum(*half_widths), largest, means[0])
-        )
-    has_parts = any(1 < len(set(data["part"].values)) < data.sizes["map"] for data in groups)
-    table = _table(names, loads, rows)
-    p_values, *numbers = np.moveaxis(np.reshape(columns, (len(names), 5, loads.size)), 1, 0)
-    noun = "part" if has_parts else "map"
-    return _Compared(table, p_values, load_correlations, paired, count, noun, *numbers)
+    has_parts = any(1 < len(set(names)) < len(names) for names in part_names)
+    return _Compared(_table(rows, loads), load_correlations, paired, units, "part" if has_parts else "map")
 
 
-def _add_test_results(comparisons: Sequence[_Compared], relevant: float) -> list[xr.Dataset]:
+def _add_test_results(comparisons: Mapping[Any, _Compared], relevant: float) -> dict[Any, xr.Dataset]:
     """Return the comparisons with p-values adjusted for all of them and their loads, and with outcomes."""
-    adjusted_p = [np.full(comparison.p_value.shape, np.nan) for comparison in comparisons]
-    rows_by_quantity: dict[str, list[tuple[int, int]]] = {}
-    for pair, comparison in enumerate(comparisons):
-        for row, name in enumerate(comparison.table["quantity"].values):
-            rows_by_quantity.setdefault(name, []).append((pair, row))
-    for pairs in rows_by_quantity.values():
-        together = [
-            adjust_over_loads(comparisons[pair].p_value[row], comparisons[pair].load_correlations[row])
-            for pair, row in pairs
-        ]
-        for (pair, row), values in zip(pairs, holm(together), strict=True):
-            adjusted_p[pair][row] = values
-    return [
-        comparison.table.assign(
-            p_value=(("quantity", "load"), values),
-            outcome=(("quantity", "load"), _outcomes(comparison, values, relevant)),
+    adjusted: dict[str, dict[Any, np.ndarray]] = {}  # quantity -> comparison -> (load)
+    for key, (table, correlations, *_) in comparisons.items():
+        for name, correlation in zip(table["quantity"].values, correlations, strict=True):
+            p_values = table["p_value"].sel(quantity=name).values
+            adjusted.setdefault(name, {})[key] = adjust_over_loads(p_values, correlation)
+    adjusted = {
+        name: dict(zip(family, holm([*family.values()]), strict=True)) for name, family in adjusted.items()
+    }
+    results = {}
+    for key, comparison in comparisons.items():
+        table = comparison.table[[*_RATIOS]]
+        p_values = np.reshape(
+            [adjusted[name][key] for name in table["quantity"].values], table["ratio"].shape
         )
-        for comparison, values in zip(comparisons, adjusted_p, strict=True)
-    ]
+        columns = {"p_value": p_values, "outcome": _outcomes(comparison, p_values, relevant)}
+        results[key] = table.assign({name: (table["ratio"].dims, column) for name, column in columns.items()})
+    return results
 
 
 def _outcomes(comparison: _Compared, p_values: np.ndarray, relevant: float) -> np.ndarray:
     """Return for each ratio whether the groups differ, in words."""
     labels = np.full(p_values.shape, "", object)
-    bounds = np.stack([comparison.table[f"ratio_{bound}"].values for bound in ("lower", "upper")])
     for index in np.ndindex(*p_values.shape):
-        low, high = bounds[(slice(None), *index)]
-        if not np.isfinite([low, high, p_values[index]]).all():
+        _, low, high = (float(comparison.table[key].values[index]) for key in _RATIOS)
+        if not np.isfinite([low, high, float(p_values[index])]).all():
             labels[index] = "inconclusive: no interval"
         elif p_values[index] < SIGNIFICANCE and not low <= 1 <= high:
             labels[index] = DIFFER
@@ -400,48 +385,43 @@ def _outcomes(comparison: _Compared, p_values: np.ndarray, relevant: float) -> n
 
 def _what_decides(comparison: _Compared, index: tuple[int, ...], relevant: float) -> str:
     """Return what would show a difference that matters: more maps, or a smaller error that all maps share."""
+    numbers = {key: column.values[index] for key, column in comparison.table.data_vars.items()}
     if not comparison.maps:
-        ratio, upper = (float(comparison.table[key].values[index]) for key in ("ratio", "ratio_upper"))
-        cause = SOURCES[int(comparison.largest_source[index])]
+        errors = percent(numbers["ratio_upper"] / numbers["ratio"] - 1)
+        cause = SOURCES[int(numbers["largest_source"])]
         way = ADVICE.get(cause, "measure a longer field") if comparison.of_place else _MORE_PLACES
-        return f"errors that differ are up to {percent(upper / ratio - 1)}, most by the {cause}; {way}"
-    name = str(comparison.table["quantity"].values[index[0]])
-    mean = comparison.mean[index]
+        return f"errors that differ are up to {errors}, most by the {cause}; {way}"
+    name, mean = str(comparison.table["quantity"].values[index[0]]), numbers["mean"]
     relevant_bounds = to_scale(name, from_scale(name, mean) * np.array([1 - relevant, 1 + relevant]))
     target = float(np.nanmin(np.abs(relevant_bounds - mean)))
-    shared_error = ""
-    if comparison.shared[index] >= target:
-        advice = ADVICE.get(SOURCES[int(comparison.largest_source[index])], "state what they share")
-        shared_error = f"all maps share errors above {percent(relevant)}; {advice}"
-    needed_maps = maps_needed(float(comparison.spread[index]), target, pairs=comparison.paired)
+    needed_maps = maps_needed(float(numbers["spread"]), target, pairs=comparison.paired)
     missing_maps = max(needed_maps - comparison.maps, 1)
     plural = "s" if missing_maps > 1 else ""
-    count = f"more than {_MAX_MAPS}" if missing_maps > _MAX_MAPS else str(missing_maps)
-    about, group = "about " * (missing_maps <= _MAX_MAPS), "" if comparison.paired else " per group"
-    more_maps = f"{about}{count} more {comparison.noun}{plural}{group} needed"
-    if not shared_error:
+    count = f"more than {_MAX_MAPS}" if missing_maps > _MAX_MAPS else f"about {missing_maps}"
+    group = "" if comparison.paired else " per group"
+    more_maps = f"{count} more {comparison.noun}{plural}{group} needed"
+    if numbers["shared"] < target:
         return more_maps
+    advice = ADVICE.get(SOURCES[int(numbers["largest_source"])], "state what they share")
+    shared_error = f"all maps share errors above {percent(relevant)}; {advice}"
     pairs = 1 if comparison.paired else 2  # whose scatter adds
     freedom = np.array(pairs * (comparison.maps - 1.0))
-    of_scatter = student(freedom) * comparison.spread[index] * np.sqrt(pairs / comparison.maps)
+    of_scatter = student(freedom) * numbers["spread"] * np.sqrt(pairs / comparison.maps)
     causes = [shared_error, more_maps]
-    return "; and ".join(causes[::-1] if of_scatter > comparison.shared[index] else causes)
+    return "; and ".join(causes[::-1] if of_scatter > numbers["shared"] else causes)
 
 
 def _names(first: xr.Dataset, second: xr.Dataset) -> list[str]:
     """Return the quantities of both that have ratios."""
-    return [
-        name for name in headline_names(first) if name in first and name in second and name not in HEIGHTS
-    ]
+    both = set(first) & set(second) - set(CONSTRICTIONS)
+    return [name for name in headline_names(first) if name in both]
 
 
 def _scaled_numbers(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the numbers of the maps of a group on their scale (map, load), and what these share."""
-    load = group["mean_pressure"].values
-    of_maps = to_scale(name, group[f"{name}_of_maps"].values)
-    shared_widths = group[f"{name}_shared"].values
-    is_shared = np.array([source in (*SHARED, "solver") for source in SOURCES])[:, None]
-    shared_widths = np.where(is_shared, np.where(np.isnan(shared_widths), np.inf, shared_widths), 0.0)
+    load, of_maps = group["mean_pressure"].values, to_scale(name, group[f"{name}_of_maps"].values)
+    is_shared = np.isin(SOURCES, (*SHARED, "solver"))[:, None]
+    shared_widths = np.where(is_shared, np.nan_to_num(group[f"{name}_shared"].values, nan=np.inf), 0.0)
     return interpolated(load, loads, of_maps.T).T, interpolated(load, loads, shared_widths)
 
 
@@ -457,47 +437,29 @@ def _correlations(name: str, first: xr.Dataset, second: xr.Dataset) -> np.ndarra
     correlations = np.tile(_source_correlations(first, second), (first.sizes["load"], 1))
     if any(f"{name}_components" not in data for data in (first, second)):
         return 0 * correlations  # nothing is known of what they share
-    first_deviations, second_deviations = (_deviations(name, data) for data in (first, second))
-    correlations[:, SOURCES.index("window")] = _correlation(
-        first_deviations, second_deviations, first["mean_pressure"].values
-    )
+    a, b = (_deviations(name, data) for data in (first, second))
+    of_window = np.zeros(len(correlations))  # where the subwindows are not the same
+    if a.shape == b.shape:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            of_solved = np.sum(a * b, axis=0) / np.sqrt(np.sum(a**2, axis=0) * np.sum(b**2, axis=0))
+        if (indices := np.flatnonzero(np.isfinite(of_solved))).size:
+            # interpolated between the loads at which the subwindows were solved
+            of_window = extend_to_loads(of_solved[indices], indices, first["mean_pressure"].values)
+    correlations[:, SOURCES.index("window")] = np.clip(of_window, -1.0, 1.0)
     return correlations
 
 
 def _deviations(name: str, data: xr.Dataset) -> np.ndarray:
     """Return the deviations (member, load) of the subwindows from their mean, on the scale."""
-    none = np.empty((0, data.sizes["load"]))
-    if f"{name}_parts" not in data:
-        return none
-    subwindow_values = data[f"{name}_parts"].transpose(..., "load")
-    finite = np.isfinite(subwindow_values.values).any(axis=1)  # the others are padding
-    if not finite.any():
-        return none
-    values = to_scale(name, subwindow_values.values[finite])
-    return values - values.mean(axis=0)
+    missing = np.full((0, data.sizes["load"]), np.nan)
+    values = data[f"{name}_parts"].transpose(..., "load").values if f"{name}_parts" in data else missing
+    values = to_scale(name, values[np.isfinite(values).any(axis=1)])  # the others are padding
+    return values - (values.mean(axis=0) if len(values) else 0.0)
 
 
-def _correlation(a: np.ndarray, b: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """Return the correlation (load,) of deviations; 0 where the subwindows are not the same.
-
-    Between loads at which the subwindows were solved it is interpolated.
-    """
-    if a.shape != b.shape:
-        return np.zeros(load.shape)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        size = np.sqrt(np.sum(a**2, axis=0) * np.sum(b**2, axis=0))
-        correlation = np.sum(a * b, axis=0) / size
-    indices = np.flatnonzero(np.isfinite(correlation))
-    if not indices.size:
-        return np.zeros(load.shape)
-    return np.clip(extend_to_loads(correlation[indices], indices, load), -1.0, 1.0)
-
-
-def _unshared_half_widths(
-    a: np.ndarray, b: np.ndarray, correlation: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the half-widths (load,) of a difference, down and up, from (load, source, component)."""
-    widths = []
+def _unshared_half_widths(both: Sequence[np.ndarray], correlation: np.ndarray) -> list[np.ndarray]:
+    """Return the half-widths (load,) of a difference, down and up, from two of (load, source, component)."""
+    (a, b), widths = both, []
     for side, opposite in ((0, 1), (1, 0)):
         # of the first error, the side that goes along with this one, and the one that goes against it
         along = np.where(correlation >= 0, a[..., side], a[..., opposite])
@@ -508,21 +470,13 @@ def _unshared_half_widths(
             shifts = np.maximum(b[..., 2 + side] - a[..., 2 + side], 0.0)
             shifts = shifts + np.maximum(a[..., 2 + opposite] - b[..., 2 + opposite], 0.0)
             widths.append(np.sqrt(squares.sum(axis=-1)) + shifts.sum(axis=-1))
-    return widths[0], widths[1]
+    return widths
 
 
-def _largest_source(a: np.ndarray, b: np.ndarray, correlation: np.ndarray) -> np.ndarray:
+def _largest_source(both: Sequence[np.ndarray], correlation: np.ndarray) -> np.ndarray:
     """Return the index (load,) of the source with the largest part in a difference."""
-    by_source = [
-        np.maximum(*_unshared_half_widths(a[:, [k]], b[:, [k]], correlation[..., [k]]))
-        for k in range(len(SOURCES))
-    ]
-    return np.nan_to_num(by_source, nan=0.0).argmax(axis=0)
-
-
-def _effects(values: Sequence[np.ndarray], parts: Sequence[Sequence[str]]) -> list[Effects]:
-    """Return the random effects of each group, of values (map, load)."""
-    return [random_effects(of_maps, names) for of_maps, names in zip(values, parts, strict=True)]
+    by_source = _unshared_half_widths([widths[:, :, None] for widths in both], correlation[..., None])
+    return np.nan_to_num(np.maximum(*by_source), nan=0.0).argmax(axis=1)
 
 
 def _difference(effects: Sequence[Effects]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -540,43 +494,36 @@ def _ratios(
     correlation: np.ndarray,
     *,
     scatter: np.ndarray,
-) -> list[np.ndarray]:
+) -> dict[str, np.ndarray]:
     """Return ratio and both ends of its interval (load,), from two values and their components on the scale.
 
     `scatter` is the half-width (load,) of the difference of logarithms by the scatter of the maps.
     """
     mean, second_mean = (_logarithm(name, number) for number in values)
+    # an area near the whole moves less than its scale: what both share changes their ratio
+    on_logarithm = [
+        SIGNS[:, 0] * (_logarithm(name, value[:, None, None] + SIGNS[:, 0] * sides) - middle[:, None, None])
+        for value, middle, sides in zip(values, (mean, second_mean), widths, strict=True)
+    ]
+    below, above = (np.hypot(scatter, side) for side in _unshared_half_widths(on_logarithm, correlation))
     difference = second_mean - mean
-    a, b = (_log_widths(name, *pair) for pair in zip(values, widths, strict=True))
-    below, above = (np.hypot(scatter, side) for side in _unshared_half_widths(a, b, correlation))
     with np.errstate(invalid="ignore", over="ignore"):  # of closed gaps and unbounded ends, NaN below
         bounds = difference, difference - below, difference + above
-        ratios = [np.exp(mean + values) / np.exp(mean) for values in bounds]
-    return [np.where(np.isfinite(values), values, np.nan) for values in ratios]
+        ratios = np.exp(mean + np.array(bounds)) / np.exp(mean)
+    return dict(zip(_RATIOS, np.where(np.isfinite(ratios), ratios, np.nan), strict=True))
 
 
 def _logarithm(name: str, values: np.ndarray) -> np.ndarray:
-    """Return the logarithm of a quantity from its scale, which is that of most."""
-    if name != AREA:
-        return values
-    with np.errstate(divide="ignore"):  # of an unbounded area
+    """Return the logarithm of a quantity from its scale."""
+    with np.errstate(divide="ignore"):  # of an unbounded end
         return np.log(from_scale(name, values))
 
 
-def _log_widths(name: str, mean: np.ndarray, widths: np.ndarray) -> np.ndarray:
-    """Return half-widths (load, source, component) on the logarithm from those on the scale."""
-    if name != AREA:
-        return widths
-    # an area near the whole moves less than its scale: what both share changes their ratio
-    signs, middle = np.array([-1.0, 1.0, -1.0, 1.0]), mean[:, None, None]
-    return signs * (_logarithm(name, middle + signs * widths) - _logarithm(name, middle))
-
-
-def _table(names: Sequence[str], loads: np.ndarray, rows: Sequence[Sequence[np.ndarray]]) -> xr.Dataset:
-    """Return ratios and their ends, a row for each quantity, as a dataset."""
-    keys = ("ratio", "ratio_lower", "ratio_upper")
-    arrays = np.reshape(rows, (len(names), len(keys), loads.size))
+def _table(rows: Mapping[str, Mapping[str, np.ndarray]], loads: np.ndarray) -> xr.Dataset:
+    """Return columns (load,), a row for each quantity, as a dataset."""
+    keys = next(iter(rows.values()), dict.fromkeys(_RATIOS))
+    arrays = {key: np.reshape([row[key] for row in rows.values()], (len(rows), loads.size)) for key in keys}
     return xr.Dataset(
-        {key: (("quantity", "load"), arrays[:, index]) for index, key in enumerate(keys)},
-        {"quantity": np.array(names, object), "mean_pressure": ("load", loads)},
+        {key: (("quantity", "load"), array) for key, array in arrays.items()},
+        {"quantity": np.array([*rows], object), "mean_pressure": ("load", loads)},
     )

@@ -43,7 +43,8 @@ def solve_member(
     pressures = loads_of(contact) if loads is None else loads_of(contact)[loads]
     tolerance = max(tolerance, contact.get("tolerance", 0.0))
     contact, steps = {**contact, "mean_pressure": pressures}, spacing(window)
-    window = contact.get("on_form", _unchanged)(window)
+    if on_form := contact.get("on_form"):
+        window = on_form(window)
     area = window.size * steps[0] * steps[1]
     unit = area / contact.get("area", area)  # the contact area counts over that of the map
     single = tolerance >= TOLERANCE or contact.get("precision") == "single"
@@ -56,11 +57,6 @@ def solve_member(
         ).items():
             values[name][load] = value * (unit if name == AREA else 1.0)
     return values
-
-
-def _unchanged(window: xr.DataArray) -> xr.DataArray:
-    """Return a window as it is."""
-    return window
 
 
 def measured_slices(levelled_map: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:

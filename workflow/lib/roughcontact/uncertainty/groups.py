@@ -10,7 +10,6 @@ group is what the maps are samples of, without waves longer than a map.
 
 import hashlib
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -20,13 +19,14 @@ from roughcontact.arguments.measurement import json_attributes
 from roughcontact.arguments.quantities import quantity
 from roughcontact.errors import SettingsError
 from roughcontact.io.instrument_kinds import of_name
+from roughcontact.statistics.allowed import ENDS
 from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.statistics.load_pairs import common_loads, interpolated, same_load
 from roughcontact.surface.window.band import is_limited_by_grid
 from roughcontact.uncertainty.calibration import scatter_between_maps
 from roughcontact.uncertainty.combination import (
+    SIDES,
     SOURCES,
-    Ends,
     added_up,
     component_from_units,
     half_widths,
@@ -35,53 +35,16 @@ from roughcontact.uncertainty.combination import (
 )
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.random_effects import grubbs_outliers, moderated, random_effects, student
-from roughcontact.uncertainty.scales import (
-    ANSWERS,
-    CONSTRICTIONS,
-    QUANTITIES,
-    from_scale,
-    to_scale,
-)
+from roughcontact.uncertainty.scales import ANSWERS, QUANTITIES, from_scale, to_scale
 
 SHARED = ("discretisation", "instrument", "material", "hardness", "unresolved")
-# the placements of two faces share their maps, and with them the places where these were measured
-SHARED_BY_PLACEMENTS = (*SHARED, "window")
-HEIGHTS = CONSTRICTIONS  # narrowest places: evaluated on their own scale
 MIN_FOR_INTERVAL = 3  # parts, or maps, below which there is a range instead of an interval
 _SAME = 1e-6  # relative, of moduli and sizes
 # largest ratio of the limits of the bands of two maps: a tenth at the short end changes the area by 2 % (at a
 # Hurst exponent of 0.8); the long end matters to the gap alone, and windows differ in size
 _SAME_BAND = {"shortest": 1.1, "longest": 2.0}
-_ENDS = ("lower", "upper")
-_FURTHER = ("next_lower", "next_upper", "next_part_lower", "next_part_upper")
+_FURTHER = ("", "_next", "_next_part")  # the group, the next map, the next part
 _OF_HARDNESS = ("hardness", "hardness_lower", "hardness_upper")
-
-
-class Scaled(NamedTuple):
-    """A quantity of several maps on its scale, at the loads (Pa) of their group."""
-
-    values: np.ndarray  # (map, load)
-    # (load, source, component), mean of the maps: half-widths and shifts, down and up, by `SOURCES`
-    shared: np.ndarray
-    load: np.ndarray
-    hardness: float  # Pa, upper end of its range
-
-
-class _Members(NamedTuple):
-    """What the maps of a group are to one another."""
-
-    noun: str
-    shared: tuple[str, ...]  # sources that change them all alike
-    measurand: str  # of the interval: "mean" of the finish, or "next" one
-    range_of: str  # what two of them reach over, in words
-    range_holds_intervals: bool = False
-    may_be_equal: bool = False  # as two placements on a smooth face are
-    scatter_is_expected: bool = False  # by the bank, from the window part of each
-
-
-_MAPS = _Members("maps", SHARED, "mean", "the maps, and what these share", scatter_is_expected=True)
-_BODIES = _MAPS._replace(scatter_is_expected=False)  # of finite size, of which the bank has none
-_PLACEMENTS = _Members("placements", SHARED_BY_PLACEMENTS, "next", "their intervals", True, True)
 
 
 def needed_for_groups(names: Iterable[str]) -> list[str]:
@@ -92,11 +55,10 @@ def needed_for_groups(names: Iterable[str]) -> list[str]:
     >>> needed_for_groups(["mean_gap", "mean_gap_lower", "mean_gap_density", "iterations"])
     ['mean_gap', 'mean_gap_lower']
     """
-    suffixes = ("", "_lower", "_upper", "_map_lower", "_map_upper", "_components", "_parts")
-    endings = {f"{name}{suffix}" for name in (*QUANTITIES, *ANSWERS) for suffix in suffixes}
-    needed_names = {*endings, "mean_pressure", "contact_modulus", "rms_height", *_OF_HARDNESS}
-    needed_names |= {*FINITE_BODY.own_numbers}
-    return [name for name in names if name in needed_names]
+    suffixes = (*ENDS, "_map_lower", "_map_upper", "_components", "_parts")
+    needed = {f"{name}{suffix}" for name in (*QUANTITIES, *ANSWERS) for suffix in suffixes}
+    needed |= {"mean_pressure", "contact_modulus", "rms_height", *_OF_HARDNESS, *FINITE_BODY.own_numbers}
+    return [name for name in names if name in needed]
 
 
 def group_statistics(
@@ -180,11 +142,9 @@ def group_statistics(
             )
     datasets = [_drop_padding(data) for data in datasets]
     contents = [_content(data) for data in datasets]
-    single = _BODIES if np.isfinite(_body_size(datasets[0])) else _MAPS
-    members = _PLACEMENTS if placements else single
     for name, content in zip(names, contents, strict=True):
         twin = names[contents.index(content)]
-        if content and twin != name and not members.may_be_equal:
+        if content and twin != name and not placements:  # which on a smooth face may be equal
             raise SettingsError(
                 f"{label}: {twin} and {name} have the same results, as copies of one map have, which says "
                 "nothing new; leave one out"
@@ -194,34 +154,40 @@ def group_statistics(
     quantities = [name for name in headline_names(datasets[0]) if all(name in data for data in datasets)]
     columns: dict[str, tuple] = {}
     is_outlier = np.zeros((len(datasets), loads.size), bool)
-    hardness = {key: ((), float(datasets[0][key])) for key in _OF_HARDNESS if key in datasets[0]}
-    limit = hardness.get("hardness_upper", hardness.get("hardness", ((), np.inf)))[1]
+    hardness = {key: float(datasets[0][key]) for key in _OF_HARDNESS if key in datasets[0]}
+    hardest = hardness.get("hardness_upper", hardness.get("hardness", np.inf))
+    size = _body_size(datasets[0])
+    members = "placements" if placements else "maps" if np.isnan(size) else "bodies"
     for name in quantities:
-        of_maps, shared_widths = zip(*(scaled_at(name, data, loads) for data in datasets), strict=True)
-        scaled_numbers = Scaled(np.stack(of_maps), np.mean(shared_widths, axis=0), loads, limit)
-        if len(datasets) == 1:
-            columns |= _columns_of_map(name, datasets[0], scaled_numbers)
-            continue
-        quantity_columns, outliers = _columns_of_maps(name, scaled_numbers, parts, members)
-        columns |= quantity_columns
-        is_outlier |= outliers
-        if members.range_holds_intervals and len(datasets) < MIN_FOR_INTERVAL:
-            columns |= _hull(name, datasets, loads)
+        maps, components = zip(*(scaled_at(name, data, loads) for data in datasets), strict=True)
+        values, shared = np.stack(maps), np.mean(components, axis=0)
+        numbers = (
+            _numbers_of_map(name, datasets[0])
+            if len(datasets) == 1
+            else _numbers_of_maps(name, values, shared, parts, loads=loads, hardest=hardest, members=members)
+        )
+        if placements and 1 < len(datasets) < MIN_FOR_INTERVAL:
+            numbers |= _hull(name, datasets, loads)
+        columns |= {f"{name}{ending}": ("load", column) for ending, column in numbers.items()}
+        columns[f"{name}_of_maps"] = (("map", "load"), from_scale(name, values))
+        shared = np.where(np.isinf(shared), np.nan, shared)
+        columns[f"{name}_shared"] = (("load", "source", "component"), shared)
+        is_outlier |= grubbs_outliers(values)
     columns["stands_off"] = (("map", "load"), is_outlier.astype(np.int8))
-    columns["contact_modulus"] = ((), float(datasets[0].get("contact_modulus", np.nan)))
-    columns |= hardness
+    single_numbers = {"contact_modulus": float(datasets[0].get("contact_modulus", np.nan)), **hardness}
     if all("rms_height" in data for data in datasets):
-        columns["rms_height"] = ((), float(np.median([float(data["rms_height"]) for data in datasets])))
+        single_numbers["rms_height"] = float(np.median([float(data["rms_height"]) for data in datasets]))
+    columns |= {key: ((), number) for key, number in single_numbers.items()}
     coordinates = {
         "source": [*SOURCES],
-        "component": ["down", "up", "shift_down", "shift_up"],
+        "component": [*SIDES],
         "mean_pressure": ("load", loads),
         "map": np.array(names, object),
         "part": ("map", np.array(parts, object)),
         "content": ("map", np.array(contents, object)),
     }
-    answer = xr.Dataset(columns, coordinates, {"group": group, "body_size": _body_size(datasets[0])})
-    remarks = _remarks(answer, datasets, members)
+    answer = xr.Dataset(columns, coordinates, {"group": group, "body_size": size})
+    remarks = _remarks(answer, datasets, placements=placements)
     return answer.assign_attrs(json_attributes({"remarks": remarks}))
 
 
@@ -243,7 +209,7 @@ def _drop_padding(data: xr.Dataset) -> xr.Dataset:
     """Return a map, loads rising, without what only others of its run have: loads, and a budget of NaN."""
     data = data.isel(load=np.isfinite(data["mean_pressure"].values)).sortby("mean_pressure")
     no_budget = [name for name in headline_names(data) if np.isnan(data.get(f"{name}_lower", 0.0)).all()]
-    padding = [f"{name}_{key}" for name in no_budget for key in (*_ENDS, "components")]
+    padding = [f"{name}{key}" for name in no_budget for key in (*ENDS[1:], "_components")]
     return data.drop_vars(padding, errors="ignore")
 
 
@@ -256,80 +222,71 @@ def _content(dataset: xr.Dataset) -> str:
     return hashlib.sha256(digits.encode()).hexdigest()[:16]
 
 
-def _columns_of_maps(
-    name: str, numbers: Scaled, part_names: Sequence[str], members: _Members
-) -> tuple[dict[str, tuple], np.ndarray]:
-    """Return the columns of a quantity of several maps, and which of these stand off (map, load)."""
-    effects = random_effects(numbers.values, part_names)
-    nan_values = np.full(effects.mean.shape, np.nan)
-    columns = {"": from_scale(name, effects.mean), **dict.fromkeys(_FURTHER, nan_values)}
-    half_width = numbers.shared[:, SOURCES.index("window"), :2].mean(axis=1)
-    is_expected = np.isfinite(half_width) & (half_width > 0)
-    is_expected &= members.scatter_is_expected and effects.units == len(numbers.values)
+def _numbers_of_map(name: str, dataset: xr.Dataset) -> dict[str, np.ndarray]:
+    """Return the numbers (load) of a quantity of a single map, by their endings: what it was."""
+    unknown = np.full(dataset.sizes["load"], np.nan)
+    endings = (*(f"{key}{end}" for key in _FURTHER for end in ENDS[1:]), "_between", "_within")
+    own = {end: dataset[f"{name}{end}"].values for end in ENDS if f"{name}{end}" in dataset}
+    return dict.fromkeys(endings, unknown) | own
+
+
+def _numbers_of_maps(
+    name: str,
+    values: np.ndarray,
+    shared: np.ndarray,
+    part_names: Sequence[str],
+    *,
+    loads: np.ndarray,
+    hardest: float,
+    members: str,
+) -> dict[str, np.ndarray]:
+    """Return the numbers (load) of a quantity of several maps, by their endings.
+
+    On the scale are `values` (map, load) and `shared` (load, source, component), the mean of the maps, by
+    `SOURCES`. `members` are "maps", "placements" or "bodies"; `hardest` is the upper end of the hardness
+    (Pa).
+    """
+    effects = random_effects(values, part_names)
+    expected = np.zeros(loads.shape)  # half-width by the window, which tells how maps of the bank scatter
+    if members == "maps" and effects.units == len(values):
+        expected = shared[:, SOURCES.index("window"), :2].mean(axis=1)
+    is_expected = np.isfinite(expected) & (expected > 0)
     if is_expected.any():
-        scatter, freedom = scatter_between_maps(name, np.where(is_expected, half_width, 0.0))
+        scatter, freedom = scatter_between_maps(name, np.where(is_expected, expected, 0.0))
         effects = moderated(effects, scatter, np.where(is_expected, freedom, 0.0))
+    next_map = student(effects.next_map_freedom) * effects.next_map
+    mean, next_part = (student(effects.freedom) * width for width in (effects.error, effects.next_part))
+    widths = [
+        (width, width) for width in (next_map if members == "placements" else mean, next_map, next_part)
+    ]
     if effects.units < MIN_FOR_INTERVAL and not is_expected.all():
         # a range, from map to map
-        widths = {"": (effects.mean - numbers.values.min(axis=0), numbers.values.max(axis=0) - effects.mean)}
-    else:
-        mean = student(effects.freedom) * effects.error
-        further = student(effects.next_map_freedom) * effects.next_map
-        widths = {
-            "": ({"mean": mean, "next": further}[members.measurand],) * 2,
-            "next_": (further,) * 2,
-            "next_part_": (student(effects.freedom) * effects.next_part,) * 2,
-        }
-    for key, widths_of_interval in widths.items():
-        bounds = _ends(name, effects.mean, widths_of_interval, numbers, members.shared)
-        columns |= {f"{key}{suffix}": values for suffix, values in zip(_ENDS, bounds, strict=True)}
-    columns |= {"between": effects.between, "within": effects.within}
-    return _named(name, columns, numbers), grubbs_outliers(numbers.values)
-
-
-def _hull(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> dict[str, tuple]:
-    """Return the range of the intervals of maps: from the lowest end to the highest."""
-    columns = {}
-    for bound, outermost in (("lower", np.min), ("upper", np.max)):
-        of_maps = [
-            interpolated(data["mean_pressure"].values, loads, data.get(f"{name}_{bound}", data[name]).values)
-            for data in datasets
-        ]
-        columns[f"{name}_{bound}"] = ("load", outermost(of_maps, axis=0))
+        unknown = np.full(loads.shape, np.nan)
+        range_ = effects.mean - values.min(axis=0), values.max(axis=0) - effects.mean
+        widths = [range_, (unknown, unknown), (unknown, unknown)]
+    # placements share their maps, and with them the places where these were measured
+    sources = (*SHARED, "window") if members == "placements" else SHARED
+    shared_components = np.moveaxis(shared, 0, 2)[[SOURCES.index(source) for source in sources]]
+    value = from_scale(name, effects.mean)
+    columns = {"": value, "_between": effects.between, "_within": effects.within}
+    for key, sides in zip(_FURTHER, widths, strict=True):
+        bounds = interval_bounds(name, effects.mean, added_up([half_widths(*sides), *shared_components]))
+        limits = limited(name, bounds, value=value, load=loads, hardness=hardest)
+        for end, limit, side in zip(ENDS[1:], limits, sides, strict=True):
+            columns[f"{key}{end}"] = limit + 0 * side  # NaN without an interval
     return columns
 
 
-def _columns_of_map(name: str, dataset: xr.Dataset, numbers: Scaled) -> dict[str, tuple]:
-    """Return the columns of a quantity of a single map: what it was."""
-    nan_values = np.full(dataset.sizes["load"], np.nan)
-    columns = {"": dataset[name].values}
-    columns |= {suffix: dataset.get(f"{name}_{suffix}", dataset[name] * np.nan).values for suffix in _ENDS}
-    return _named(name, columns | dict.fromkeys((*_FURTHER, "between", "within"), nan_values), numbers)
-
-
-def _named(name: str, columns: dict[str, np.ndarray], numbers: Scaled) -> dict[str, tuple]:
-    """Return the columns of a quantity under their names, with what they come from."""
-    shared_widths = np.where(np.isinf(numbers.shared), np.nan, numbers.shared)
-    return {
-        **{f"{name}_{key}" if key else name: ("load", column) for key, column in columns.items()},
-        f"{name}_of_maps": (("map", "load"), from_scale(name, numbers.values)),
-        f"{name}_shared": (("load", "source", "component"), shared_widths),
-    }
-
-
-def _ends(
-    name: str,
-    mean: np.ndarray,
-    widths: tuple[np.ndarray, np.ndarray],
-    numbers: Scaled,
-    sources: Sequence[str],
-) -> Ends:
-    """Return both ends of an interval of half-widths, with what the maps share; NaN where not bounded."""
-    components = np.moveaxis(numbers.shared, 0, 2)[[SOURCES.index(source) for source in sources]]
-    bounds = interval_bounds(name, mean, added_up([half_widths(*widths), *components]))
-    value = from_scale(name, mean)
-    limits = limited(name, bounds, value=value, load=numbers.load, hardness=numbers.hardness)
-    return limits[0] + 0 * widths[0], limits[1] + 0 * widths[1]  # NaN without an interval
+def _hull(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the range of the intervals of maps: from the lowest end to the highest."""
+    columns = {}
+    for end, outermost in zip(ENDS[1:], (np.min, np.max), strict=True):
+        of_maps = [
+            interpolated(data["mean_pressure"].values, loads, data.get(f"{name}{end}", data[name]).values)
+            for data in datasets
+        ]
+        columns[end] = outermost(of_maps, axis=0)
+    return columns
 
 
 def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:
@@ -351,9 +308,9 @@ def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:
 
 def scaled_at(name: str, dataset: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return a quantity of a map and its components on its scale at some loads (Pa)."""
-    of_map = to_scale(name, dataset[name].values), scaled_components(name, dataset)
-    values, components = (interpolated(dataset["mean_pressure"].values, loads, numbers) for numbers in of_map)
-    return values, components
+    own_loads, values = dataset["mean_pressure"].values, to_scale(name, dataset[name].values)
+    components = scaled_components(name, dataset)
+    return interpolated(own_loads, loads, values), interpolated(own_loads, loads, components)
 
 
 def check_sizes(label: str, datasets: Sequence[xr.Dataset]) -> None:
@@ -418,17 +375,20 @@ def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]
         )
 
 
-def _remarks(answer: xr.Dataset, datasets: Sequence[xr.Dataset], members: _Members) -> list[str]:
+def _remarks(answer: xr.Dataset, datasets: Sequence[xr.Dataset], *, placements: bool) -> list[str]:
     """Return what a reader of a group has to know, in sentences."""
     names, part_names = answer["map"].values, answer["part"].values
     loads, is_outlier = answer["mean_pressure"].values, answer["stands_off"].values > 0
     units = len(set(part_names)) if len(set(part_names)) > 1 else len(names)
-    noun = members.noun if units == len(names) else "parts"
+    noun, range_of = (
+        ("placements", "their intervals") if placements else ("maps", "the maps, and what these share")
+    )
+    noun = noun if units == len(names) else "parts"
     sentences = ["A single map: its own numbers and intervals."] if len(names) == 1 else []
     if is_range(answer):
         sentences.append(
-            f"Two {noun}: a range, from the lowest to the highest of {members.range_of}; three {noun} or "
-            "more have an interval."
+            f"Two {noun}: a range, from the lowest to the highest of {range_of}; three {noun} or more have "
+            "an interval."
         )
     elif units == MIN_FOR_INTERVAL - 1:
         sentences.append(

@@ -8,6 +8,7 @@ import xarray as xr
 
 from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.arguments.quantities import Unit, counted_noun, percent, quantity
+from roughcontact.statistics.allowed import ENDS
 from roughcontact.statistics.outcome import CheckName
 from roughcontact.statistics.precision import precision_in_words, relative_half_width
 from roughcontact.uncertainty.calibration import scatter_between_maps, table
@@ -45,11 +46,6 @@ def half_width_of_mean(of_window: float, maps: int, shared_error: float) -> floa
     return math.hypot(float(factor * np.sqrt(variance / maps)), shared_error)
 
 
-def maps_to_halve(of_window: float, half_width: float, shared_error: float) -> int | None:
-    """Return how many maps in all bring the relative half-width to half; None for more than a hundred."""
-    return maps_for(half_width / 2, of_window, shared_error)
-
-
 def maps_for(half_width: float, of_window: float, shared_error: float) -> int | None:
     """Return how many maps in all have a mean of this relative half-width; None for more than a hundred."""
     counts = range(2, _MAX_MAPS + 1)
@@ -58,13 +54,9 @@ def maps_for(half_width: float, of_window: float, shared_error: float) -> int | 
 
 def planning_line(statistics: xr.Dataset) -> str:
     """Return how many places of this size make the contact area known to ± 10 %; empty if it is already."""
-    if f"{AREA}_components" not in statistics:
-        return ""
-    at_load = statistics.isel(load=_typical_load(statistics))
-    value, lower, upper = (float(at_load[f"{AREA}{suffix}"]) for suffix in ("", "_lower", "_upper"))
-    widths = _relative_widths(at_load, value)
+    _, half_width, widths = _known(statistics)
     of_window = widths.pop("window", math.inf)
-    if not math.isfinite(of_window) or relative_half_width(value, lower, upper) <= _PLANNED:
+    if not math.isfinite(of_window) or half_width <= _PLANNED:
         return ""
     shared_error = math.hypot(*widths.values())
     if places := maps_for(_PLANNED, of_window, shared_error):
@@ -91,10 +83,8 @@ def add_overview_line(statistics: xr.Dataset) -> xr.Dataset:
     at_load = statistics.isel(load=_typical_load(statistics))
     phrases = []
     for name, word, unit in ((GAP, "gap", Unit(1.0, "m")), (AREA, "contact area", Unit(100.0, "%"))):
-        value, lower, upper, below, above = (
-            float(at_load[f"{name}{end}"]) for end in ("", "_lower", "_upper", "_alone_lower", "_alone_upper")
-        )
-        now, before = (precision_in_words(value, *ends, unit) for ends in ((lower, upper), (below, above)))
+        value, *ends = (float(at_load[f"{name}{end}"]) for end in (*ENDS, "_alone_lower", "_alone_upper"))
+        now, before = (precision_in_words(value, low, high, unit) for low, high in (ends[:2], ends[2:]))
         if now != before:
             phrases.append(f"{word} known {now} ({before} without the overview)")
     return statistics.assign_attrs(overview="; ".join(phrases)) if phrases else statistics
@@ -111,21 +101,18 @@ def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
 
     `overview` says whether a coarser map around this one can be measured, where there is none.
     """
-    if f"{AREA}_components" not in statistics:
+    value, half_width, widths = _known(statistics)
+    if math.isnan(value):
         return ""
-    load = _typical_load(statistics)
-    at_load = statistics.isel(load=load)
-    value, lower, upper = (float(at_load[f"{AREA}{suffix}"]) for suffix in ("", "_lower", "_upper"))
-    half_width = float(relative_half_width(value, lower, upper))
-    widths = _relative_widths(at_load, value)
     first_steps, advice = _advice(statistics)
-    if not math.isfinite(half_width) or not widths.get("window", 0.0) < math.inf:
+    of_window = widths.get("window", 0.0)
+    if not math.isfinite(half_width + of_window):
         return "; ".join([*first_steps, _LONGER_FIELD])
     if "window" in widths:
-        shared_error = math.sqrt(sum(width**2 for source, width in widths.items() if source != "window"))
-        advice["window"] = _more_places(half_width, shared_error, widths["window"])
+        shared_error = math.hypot(*(width for source, width in widths.items() if source != "window"))
+        advice["window"] = _more_places(half_width, shared_error, of_window)
         if overview and f"{AREA}_alone_lower" not in statistics:
-            promised = math.hypot(shared_error, _width_with_overview(widths["window"], _slope(value)))
+            promised = math.hypot(shared_error, _width_with_overview(of_window, value))
             if promised < _WORTHWHILE * half_width:
                 text = f"{_OVERVIEW} (to about ± {percent(promised)})"
                 advice["window"] = f"{text}, or {advice['window'].removeprefix('measure ')}"
@@ -133,8 +120,7 @@ def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
     actions = [*first_steps]
     for rank, source in enumerate(by_size, start=1):
         actions.append(advice[source])
-        remaining = math.sqrt(sum(widths[name] ** 2 for name in by_size[rank:]))
-        if remaining <= half_width / 2:
+        if math.hypot(*(widths[name] for name in by_size[rank:])) <= half_width / 2:
             break
     return "; ".join(dict.fromkeys(actions))
 
@@ -155,31 +141,33 @@ def _advice(statistics: xr.Dataset) -> tuple[list[str], dict[str, str]]:
     return [f"clean the summit at ({x}, {y})"], advice
 
 
-def _slope(area: float) -> float:
-    """Return d ln A over d of the scale of the area."""
-    middle, step = to_scale(AREA, np.array(area)), 1e-3
-    values = np.log(from_scale(AREA, middle + np.array([-step, step])))
-    return float(values[1] - values[0]) / (2 * step)
-
-
-def _width_with_overview(of_window: float, slope: float) -> float:
+def _width_with_overview(of_window: float, area: float) -> float:
     """Return the relative half-width that an overview would leave of that of the window, by the bank."""
     constant, power = table()["overview_promise"]
+    step = np.array([-1e-3, 1e-3])  # on the scale, over which d ln A is taken
+    slope = float(np.diff(np.log(from_scale(AREA, to_scale(AREA, np.array(area)) + step)))[0] / np.ptp(step))
     return slope * math.exp(constant) * (of_window / slope) ** power
 
 
-def _relative_widths(at_load: xr.Dataset, value: float) -> dict[str, float]:
-    """Return the half-width of each source over the value; infinite where nothing bounds it."""
+def _known(statistics: xr.Dataset) -> tuple[float, float, dict[str, float]]:
+    """Return the typical area, its relative half-width, and that of each source (inf: nothing bounds it)."""
+    if f"{AREA}_components" not in statistics:
+        return math.nan, math.nan, {}
+    at_load = statistics.isel(load=_typical_load(statistics))
+    value, lower, upper = (float(at_load[f"{AREA}{end}"]) for end in ENDS)
     is_unbounded = at_load[f"{AREA}_components"].isnull().any("component").values
     widths = np.where(is_unbounded, np.inf, at_load[f"{AREA}_uncertainty"].values / value)
     by_source = dict(zip(at_load["source"].values, map(float, widths), strict=True))
-    return {source: by_source[source] for source in SOURCES if not math.isnan(by_source[source])}
+    widths_of_sources: dict[str, float] = {
+        key: by_source[key] for key in SOURCES if not math.isnan(by_source[key])
+    }
+    return value, float(relative_half_width(value, lower, upper)), widths_of_sources
 
 
 def _more_places(half_width: float, shared_error: float, of_window: float) -> str:
     """Return how many more maps of this size halve the interval."""
     target = half_width / 2 if shared_error < half_width / 2 else math.hypot(shared_error, of_window / 2)
-    maps = maps_to_halve(of_window, 2 * target, shared_error)
+    maps = maps_for(target, of_window, shared_error)
     if maps is None:
         return "measure more places"
     half_width_of_maps = half_width_of_mean(of_window, maps, shared_error)

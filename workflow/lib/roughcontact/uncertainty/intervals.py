@@ -47,9 +47,7 @@ def window_components(
         elif measurand == JOINT:  # of which the map says nothing
             continue
         elif has_scatter:
-            below, above = calibration.arms(measurand, name, scatter.features[name], area)
-            if name == GAP:
-                above = np.fmin(above, calibration.limit_of_gap(measurand, area, gap / rms_height))
+            below, above = calibration.arms(measurand, name, scatter.features[name], area, gap / rms_height)
         else:  # without subwindows nothing bounds what other places would give
             below = above = np.full(gap.shape, np.inf)
         if name in CONSTRICTIONS and has_scatter:  # counted in mean gaps

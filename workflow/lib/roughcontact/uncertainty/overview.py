@@ -46,12 +46,9 @@ from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
 from roughcontact.uncertainty.subwindows import Scatter, Slices, relevelled, scatter_of_subwindows
 
-SHARE_OF_PLACES: dict[str, float] = {
-    "surface": 0.3,
-    JOINT: 0.3,
-    "next": 1.0,
-}  # of their scatter, in the size
 OTHER_PLACES: tuple[Measurand, ...] = ("surface", "next", JOINT)
+# of their scatter, in the size
+SHARE_OF_PLACES: dict[str, float] = dict(zip(OTHER_PLACES, (0.3, 1.0, 0.3), strict=True))
 MAX_PLACES = 5  # along each side: more tell little more, and cost
 _LEAST_SIZE = 0.05  # of a logarithm
 _SAME_PIXELS = 0.01  # relative difference
@@ -110,11 +107,10 @@ def scatter_with_overviews(
 
 def _sentence(fine: xr.DataArray, overview: xr.DataArray) -> str:
     """Return what an overview is, a sentence of the report."""
-    file = overview.attrs.get("source_file")
+    file, words = overview.attrs.get("source_file"), place_in_words(overview)
     sides = " × ".join(number_text(side, digits=2) for side in reversed(field_ratios(fine, overview)))
-    words = place_in_words(overview)
-    first = f"An overview{f' ({file})' if file else ''} of {sides} fields shows other places; "
-    return first + words[0].lower() + words[1:]
+    overview_in_words = f"An overview{f' ({file})' if file else ''} of {sides} fields"
+    return f"{overview_in_words} shows other places; {words[0].lower()}{words[1:]}"
 
 
 def _view(
@@ -223,32 +219,25 @@ def with_views(alone: Scatter, result: Result, views: Sequence[View]) -> Scatter
         key: {} for key in (*MEASURANDS, ALONE, JOINT)
     }
     shift, joint = {}, {}
-    area, rms_height = result.values[AREA], float(result.window.std())
+    area, gap = result.values[AREA], result.values[GAP] / float(result.window.std())
     largest = max(views, key=lambda view: (view.sees_map, view.field))
     for name in views[0].transfers:
-        centres: dict[str, Any] = {ALONE: 0.0}
-        ends: dict[str, Any] = {}
+        centres: dict[Measurand, Any] = dict.fromkeys(arms, 0.0)
+        ends = {key: calibration.arms(key, name, alone.features[name], area, gap) for key in arms}
         for key in OTHER_PLACES:
-            single = (np.full(area.shape, np.inf),) * 2  # the map says nothing of the joint
-            if key != JOINT:
-                single = calibration.arms(key, name, alone.features[name], area)
-            if name == GAP:
-                limit = calibration.limit_of_gap(key, area, result.values[GAP] / rms_height)
-                single = single[0], np.fmin(single[1], limit)
-            if key == "surface":
-                ends[ALONE] = single
             shown = [view.numbers(key, name, area) for view in ([largest] if key == JOINT else views)]
             centre, *both = _combined(np.array(shown))
             # NaN where all overviews, or the own place in them, are closed
             centres[key] = np.nan_to_num(centre)
-            ends[key] = [np.where(np.isnan(arm), other, arm) for arm, other in zip(both, single, strict=True)]
+            below, above = (
+                np.where(np.isnan(arm), other, arm) for arm, other in zip(both, ends[key], strict=True)
+            )
+            ends[key] = below, above
         shift[name] = centres["surface"]
         joint[name] = centres[JOINT] - shift[name]
-        for key in (*OTHER_PLACES, ALONE):
+        for key, (below, above) in ends.items():
             off = centres[key] - shift[name]
-            arms[key][name] = ends[key][0] - off, ends[key][1] + off
-        below, above = calibration.arms("map", name, alone.features[name], area)
-        arms["map"][name] = below + shift[name], above - shift[name]
+            arms[key][name] = below - off, above + off
     return alone._replace(arms=arms, shift=shift, joint=joint)
 
 

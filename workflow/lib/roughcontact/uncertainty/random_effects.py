@@ -48,10 +48,9 @@ def random_effects(values: np.ndarray, part_names: Sequence[str]) -> Effects:
     nan_values = np.full(values.shape[1], np.nan)
     scatter = averages.var(axis=0, ddof=1) if units > 1 else nan_values  # of the means of the parts
     next_part = scatter * (1 + 1 / units)
-    next_map, of_map, deviation = next_part, freedom, np.sqrt(scatter)
-    scatter_of_parts, scatter_of_maps = (
-        (nan_values, deviation) if names.size == 1 else (deviation, nan_values)
-    )
+    next_map, of_map, between, within = next_part, freedom, np.sqrt(scatter), nan_values
+    if names.size == 1:
+        between, within = within, between
     if has_parts := bool(counts.max() > 1):
         within_freedom = len(values) - units
         residual = np.sum((values - averages[index]) ** 2, axis=0) / within_freedom
@@ -61,8 +60,7 @@ def random_effects(values: np.ndarray, part_names: Sequence[str]) -> Effects:
             # as of Satterthwaite, 1946
             of_map = next_map**2 / (next_part**2 / freedom + map_variance**2 / within_freedom)
         of_map = np.where(np.isfinite(of_map), of_map, freedom)
-        scatter_of_parts = np.sqrt(np.maximum(scatter - residual / harmonic, 0.0))
-        scatter_of_maps = np.sqrt(residual)
+        between, within = np.sqrt(np.maximum(scatter - residual / harmonic, 0.0)), np.sqrt(residual)
     return Effects(
         units=units,
         mean=mean,
@@ -72,8 +70,8 @@ def random_effects(values: np.ndarray, part_names: Sequence[str]) -> Effects:
         next_map=np.sqrt(next_map),
         next_map_freedom=of_map,
         next_part=np.sqrt(next_part) if has_parts else nan_values,
-        between=scatter_of_parts,
-        within=scatter_of_maps,
+        between=between,
+        within=within,
     )
 
 
@@ -105,10 +103,8 @@ def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
     >>> student(np.array([0.0, 2.0, 9.0])).round(2)
     array([ nan, 4.3 , 2.26])
     """
-    deviation = np.asarray(freedom, float) > 0
-    return np.where(
-        deviation, scipy.special.stdtrit(np.where(deviation, freedom, 1.0), (1 + coverage) / 2), np.nan
-    )
+    known = np.where(np.asarray(freedom, float) > 0, freedom, np.nan)
+    return scipy.special.stdtrit(known, (1 + coverage) / 2)
 
 
 def width_of_next(values: np.ndarray) -> np.ndarray:
@@ -170,17 +166,14 @@ def correlation_at_least(residuals: np.ndarray, freedom: float) -> np.ndarray:
     array([[1.  , 0.93],
            [0.93, 1.  ]])
     """
-    products = residuals.T @ residuals
-    sizes = np.sqrt(np.diag(products))
-    bound = np.zeros(products.shape)
+    sizes = np.sqrt(np.sum(residuals**2, axis=0))
+    bound = np.eye(sizes.size)
     if freedom > 2:
         with np.errstate(invalid="ignore", divide="ignore"):
-            correlations = np.nan_to_num(products / np.outer(sizes, sizes))
+            correlations = np.nan_to_num(residuals.T @ residuals / np.outer(sizes, sizes))
         limit = scipy.special.ndtri(COVERAGE) / np.sqrt(freedom - 2)
-        bound = np.maximum(
-            np.tanh(np.arctanh(np.clip(correlations, -_MAX_CORRELATION, _MAX_CORRELATION)) - limit), 0.0
-        )
-    np.fill_diagonal(bound, 1.0)
+        correlations = np.clip(correlations, -_MAX_CORRELATION, _MAX_CORRELATION)
+        bound = np.fmax(bound, np.tanh(np.arctanh(correlations) - limit))
     return bound
 
 
@@ -268,7 +261,7 @@ def grubbs_outliers(values: np.ndarray) -> np.ndarray:
     count = len(values)
     if count < 4:
         return np.zeros(values.shape, bool)
-    square = scipy.special.stdtrit(count - 2, 1 - _OUTLIER_SIGNIFICANCE / (2 * count)) ** 2
+    square = student(np.array(count - 2), 1 - _OUTLIER_SIGNIFICANCE / count) ** 2
     limit = (count - 1) / np.sqrt(count) * np.sqrt(square / (count - 2 + square))
     distance = np.abs(values - values.mean(axis=0))
     largest = distance == distance.max(axis=0)

@@ -14,10 +14,9 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, CONDUCTANCE, GAP, PEAK, PRESSURE
-from roughcontact.arguments.maps import refined
 from roughcontact.arguments.variables import describe
 from roughcontact.statistics.running_in import run_in
-from roughcontact.uncertainty.course import levelled_parts, squared_change, squared_width, with_ends
+from roughcontact.uncertainty.course import squared_change, squared_widths, with_ends
 
 DISTANCE = "running_in_distance"
 ANSWERS = (AREA, PRESSURE, PEAK, GAP, CONDUCTANCE)
@@ -52,14 +51,9 @@ def worn_in_a_run(
     )
     worn = run(window, tolerance=TOLERANCE, statistics=settings["statistics"])
     fewer = partial(run, statistics=_ANSWERS_ALONE, **FEW_STEPS)
-    cut = levelled_parts(window)
-    parts, finer, coarse = [fewer(part) for part in cut], fewer(refined(cut[0], 2)), fewer(window)
+    squares, coarse = squared_widths(window, fewer, (*ANSWERS, DISTANCE)), fewer(window)
     worn = with_ends(
-        worn,
-        {
-            name: squared_change(name, coarse, worn) + squared_width(name, parts, finer)
-            for name in (*ANSWERS, DISTANCE)
-        },
+        worn, {name: square + squared_change(name, coarse, worn) for name, square in squares.items()}
     )
     worn[f"{DISTANCE}_lower"] /= wear["coefficient_factor"]
     worn[f"{DISTANCE}_upper"] *= wear["coefficient_factor"]

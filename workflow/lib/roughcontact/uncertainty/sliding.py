@@ -13,10 +13,9 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, FRICTION, GAP, PEAK, PRESSURE
-from roughcontact.arguments.maps import refined
 from roughcontact.arguments.variables import describe
 from roughcontact.statistics.sliding import sliding_friction
-from roughcontact.uncertainty.course import levelled_parts, squared_width, with_ends
+from roughcontact.uncertainty.course import squared_widths, with_ends
 
 ANSWERS = (FRICTION, AREA, PRESSURE, PEAK, GAP)
 COARSE = 1e-3  # tolerance of a part
@@ -47,11 +46,7 @@ def slid_in_a_run(
         seal=seal,
         thermal_conductivity=None if None in conductivities else conductivities,
     )
-    coarse = partial(run, tolerance=COARSE, fields=False)
-    cut = levelled_parts(window)
-    parts = [coarse(part) for part in cut]
-    finer = coarse(refined(cut[0], 2))
-    squares = {name: squared_width(name, parts, finer) for name in ANSWERS}
+    squares = squared_widths(window, partial(run, tolerance=COARSE, fields=False), ANSWERS)
     squares[FRICTION] += (slid["hysteretic_friction_bound"].values / slid[FRICTION].values) ** 2
     squares[FRICTION] += slid["friction_share_beyond_table"].values ** 2
     return describe(with_ends(slid, squares))
