@@ -538,9 +538,8 @@ def main() -> None:
         calibrate.TABLE.write_text(json.dumps(content, indent=1) + "\n")
         content["overview_promise"], ratio = promise(fine, overviews)
         calibrate.TABLE.write_text(json.dumps(content, indent=1) + "\n")
-        tables["promise"] = (
-            ratio.quantile([0.05, 0.25, 0.5, 0.75, 0.95]).round(2).to_frame("width over promise")
-        )
+        shares = ratio.quantile([0.05, 0.25, 0.5, 0.75, 0.95]).round(2)
+        tables["promise"] = shares.rename_axis("share of parts").reset_index(name="width over promise")
         for name, table in tables.items():
             table.to_csv(RESULTS / f"{name.replace(' ', '_')}.csv", index=False)
     pages.show(tables)
