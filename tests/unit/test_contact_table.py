@@ -114,9 +114,15 @@ def statistics():
 
 def test_the_table_is_that_of_the_statistics(statistics, tmp_path, capsys):
     window = rough_reference_surface(64) * 1e-6
+    said = []
     table = rc.contact_table(
-        window, contact_modulus="1 GPa", relative_pressure=[0.01, 0.1, 0.5], tolerance=1e-3
+        window,
+        contact_modulus="1 GPa",
+        relative_pressure=[0.01, 0.1, 0.5],
+        tolerance=1e-3,
+        progress=lambda *what: said.append(what),
     )
+    assert [what[:2] for what in said[2:]] == [*((done, 3) for done in range(4)), (3, 3)]
     assert (np.diff(table["mean_gap"]) < 0).all()
     assert table["mean_pressure"].values == pytest.approx(statistics["mean_pressure"].values, rel=1e-6)
     assert table["pressure_flow_factor_y"].values == pytest.approx(

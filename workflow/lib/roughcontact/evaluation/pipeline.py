@@ -38,8 +38,12 @@ _OF_WINDOW = (  # what a group of maps has in common, how rows were aligned, whe
     *("line_alignment", "summit_x", "summit_y"),
 )
 
-Progress = Callable[[int, int, str], None]
+Progress = Callable[[int, int | None, str], None]
 StatisticsFunction = Callable[[xr.Dataset], xr.Dataset]
+
+
+def silent(done: int, total: int | None, text: str) -> None:
+    """Say nothing of the progress."""
 
 
 class Chain(NamedTuple):
@@ -56,7 +60,7 @@ def run_chain(
     settings: Settings,
     *,
     threads: int = 1,
-    progress: Callable[[int, int | None, str], None] = lambda number, total, text: None,
+    progress: Progress = silent,
     fields: Path | None = None,
     overviews: Sequence[tuple[xr.DataArray, str]] = (),
 ) -> Chain:

@@ -130,7 +130,7 @@ def _tensor(
     for step, (pressure, gain) in enumerate(solutions):
         gains.append(gain)
         energy -= gain
-        driven.append(uniform_flow + (response * pressure).sum(axis=0))
+        driven.append(uniform_flow + np.einsum("ij,ij->j", response, pressure))
         if (
             len(gains) == _STEPS_COMPARED
             and (sum(gains) <= tolerance * energy).all()
