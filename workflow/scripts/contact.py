@@ -41,7 +41,6 @@ with opened_dataset(paths.levelled) as levelled:  # read on demand, not beside t
     if statistics is None:
         complete = read_dataset(paths.statistics)
     else:
-        budget = read_dataset(output.uncertainty)
         complete = pipeline.complete_statistics(statistics, window, budget, settings, solver)
         complete = pipeline.after_creep(complete, solved)
 complete = complete.assign_attrs(earlier_cases())

@@ -73,6 +73,7 @@ def is_unit(word: str) -> bool:
     return any(_clean(word) in spellings(base) for base in _QUANTITIES)
 
 
+@cache
 def _spellings_like(name: str, base: str) -> dict[float, str]:
     """Return the values of a unit, in any capitals, with a spelling of each: megabar and millibar differ."""
     table = reversed(spellings(base).items())

@@ -20,6 +20,13 @@ def template(name: str, *, folder: Path | None = None) -> jinja2.Template:
     return _environment(folder).get_template(name)
 
 
+def read_all() -> None:
+    """Compile every template, which takes longer than to fill it: for the forks of this process."""
+    environment = _environment(None)
+    for name in environment.list_templates():
+        environment.get_template(name)
+
+
 def sentence(name: str, *values: Any) -> str:
     """Return a sentence of `sentences.txt` with these values."""
     return paragraph(getattr(template("sentences.txt").module, name)(*values))

@@ -25,8 +25,9 @@ _NUMBERS: Mapping[str, Callable[..., dict[str, Any]]] = {FINITE_BODY.name: finit
 
 def facts_of_numbers(numbers: Numbers) -> KindFacts:
     """Return the facts of the kind of problem of numbers, by those that only one kind has."""
-    own = np.asarray(numbers.get(FINITE_BODY.own_numbers[0], np.nan), float)
-    return FINITE_BODY if np.isfinite(own).any() else PERIODIC_MAP
+    own = FINITE_BODY.own_numbers[0]  # as in `decisions`
+    has_own = own in numbers and np.isfinite(np.asarray(numbers[own], float)).any()
+    return FINITE_BODY if has_own else PERIODIC_MAP
 
 
 def reason_without_flow(numbers: Numbers) -> str:
