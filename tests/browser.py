@@ -59,6 +59,16 @@ class Browser:
         self.attach(self.send("Target.createTarget", url="about:blank")["targetId"])
         return previous_page
 
+    def start_again(self):
+        """Close all pages, drive a new one, and forget the problems."""
+        self.session = None
+        pages = [target["targetId"] for target in self._targets() if target["type"] == "page"]
+        self.new_page()
+        for page in pages:
+            self.send("Target.closeTarget", targetId=page)
+        self.resize(1200)
+        self.problems.clear()
+
     def send(self, method, **params):
         """Send a command and return its result."""
         self.number += 1

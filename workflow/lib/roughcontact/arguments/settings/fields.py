@@ -5,8 +5,10 @@ from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from roughcontact.arguments.settings.models import Section, Settings
+from roughcontact.arguments.settings.models import MATERIAL, Section, Settings
 from roughcontact.arguments.settings.plausible import Range
+
+UNKNOWN = FieldInfo(description="no setting")  # of a key that has no field
 
 
 def section_model(field: FieldInfo) -> type[Section] | None:
@@ -100,7 +102,7 @@ def fields_at(location: Sequence[str | int]) -> dict[str, FieldInfo]:
 def field_at(location: Sequence[str | int]) -> FieldInfo | None:
     """Return the field at a location, as in `fields_at`; None where there is no such setting."""
     *above, key = _keys(location) or [""]
-    return fields_at(above).get(key)
+    return _with_material(fields_at(above)).get(key)
 
 
 def leaves(section: type[Section], prefix: str, values: Any) -> Iterator[tuple[str, FieldInfo | None, Any]]:
@@ -116,9 +118,8 @@ def leaves(section: type[Section], prefix: str, values: Any) -> Iterator[tuple[s
     (['seal', 'seal.viscosity', 'seal.pressure_difference'], 'sael')
     """
     values = values if isinstance(values, Mapping) else {"material": values} if values else {}
-    fields = section.model_fields
-    material = ["material"] if "material" in section.model_json_schema()["properties"] else []
-    for key in dict.fromkeys([*material, *fields, *values]):
+    fields = _with_material(section.model_fields)
+    for key in dict.fromkeys([*fields, *values]):
         name, field, value = f"{prefix}{key}", fields.get(key), values.get(key, "")
         below = section_model(field) if field else None
         entries = list(value) if isinstance(value, list) else []
@@ -173,6 +174,11 @@ def label(name: str) -> str:
     key = key.replace("youngs", "Young's").replace("poissons", "Poisson's")
     words = f"{of}{key}".replace("_", " ")
     return words[:1].upper() + words[1:]
+
+
+def _with_material(fields: Mapping[str, FieldInfo]) -> dict[str, FieldInfo]:
+    """Return the fields of a section, first the name of the material that those of a body may have."""
+    return {"material": MATERIAL, **fields} if "youngs_modulus" in fields else {**fields}
 
 
 def _keys(location: Sequence[str | int]) -> list[str]:

@@ -19,6 +19,7 @@ from pydantic import (
     GetJsonSchemaHandler,
     model_validator,
 )
+from pydantic.fields import FieldInfo
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
 
@@ -301,10 +302,16 @@ class Window(Section):
     file states its numerical aperture)"""
 
 
+# of bodies and layers: `resolve` replaces it by the properties of the material
+MATERIAL = FieldInfo(
+    annotation=str, default=None, description="name of a material of the table", examples=["steel"]
+)
+
+
 def _drop_required(schema: dict[str, Any]) -> None:
     """Require no elastic constants in the schema: a rigid base has none, a named material brings them."""
     schema["required"] = [key for key in schema["required"] if key == "thickness"]
-    schema["properties"]["material"] = {"type": "string", "description": "name of a material of the table"}
+    schema["properties"]["material"] = {"type": "string", "description": MATERIAL.description}
 
 
 def _or_names(schema: dict[str, Any]) -> None:

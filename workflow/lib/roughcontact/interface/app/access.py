@@ -3,7 +3,7 @@
 import asyncio
 import secrets
 import time
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 
 from starlette.middleware.base import RequestResponseEndpoint
 from starlette.requests import Request
@@ -29,11 +29,19 @@ _HEADERS = {
 
 
 async def guard(
-    request: Request, call_next: RequestResponseEndpoint, *, token: str, hosts: Collection[str]
+    request: Request,
+    call_next: RequestResponseEndpoint,
+    *,
+    token: str,
+    hosts: Collection[str],
+    problem: Callable[[Exception], Response],
 ) -> Response:
-    """Answer a request that `is_admitted`, refuse any other; no answer is stored or read elsewhere."""
-    admission = is_admitted(request, token=token, hosts=hosts)
-    response = await call_next(request) if admission else PlainTextResponse("refused", status_code=403)
+    """Answer a request that `is_admitted`, by what is wrong after an error; no answer is stored elsewhere."""
+    try:
+        admission = is_admitted(request, token=token, hosts=hosts)
+        response = await call_next(request) if admission else PlainTextResponse("refused", status_code=403)
+    except Exception as error:  # whatever it is
+        response = problem(error)
     is_result = request.url.path.split("/")[2:3] == ["results"]
     policy = {"Content-Security-Policy": _POLICY_OF_RESULTS if is_result else _POLICY}
     response.headers.update(_HEADERS | policy)
@@ -85,8 +93,12 @@ class Claim:
         self.page, self.heard = secrets.token_hex(8), time.monotonic()
         return self.page
 
-    def check(self, page: str, *, closed: bool) -> None:
-        """Note that a page is there, or is closed; a SettingsError if it is not the one with the study."""
+    def check(self, page: str) -> None:
+        """Note that a page is there; a SettingsError if it is not the one with the study."""
         if page != self.page:
             raise SettingsError("This study was opened in another page: reload this one to use it here")
-        self.heard = -_SILENCE if closed else time.monotonic()
+        self.heard = time.monotonic()
+
+    def close(self) -> None:
+        """Let another page be opened at once."""
+        self.heard = -_SILENCE

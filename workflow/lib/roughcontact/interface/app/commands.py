@@ -69,23 +69,16 @@ def results(settings: Mapping[str, Any] | None) -> dict[str, tuple[Summary, bool
     for panel in sorted(RESULTS.rglob("panel.json")):
         name = panel.parent.relative_to(RESULTS).as_posix()
         if settings is None or name in settings:
-            recorded = _settings_of(panel.with_name("statistics.nc"))
+            made_with = _settings_of(panel.with_name("statistics.nc"), panel.stat().st_mtime_ns)
             wanted = None if settings is None else json.loads(json.dumps(settings[name]))
-            found[name] = read_summary(panel), recorded == wanted
+            found[name] = read_summary(panel), made_with == wanted
     return found
 
 
-def _settings_of(path: Path) -> Any:
-    """Return the settings that a result was made with; none where they cannot be read."""
-    with suppress(OSError, ValueError):
-        return _read_settings(path, path.stat().st_mtime_ns)
-    return None
-
-
 @cache
-def _read_settings(path: Path, _: int) -> Any:
-    """Return the settings in a file of a given age."""
-    with measurements.READING, opened_dataset(path) as statistics:
+def _settings_of(path: Path, _: int) -> Any:
+    """Return the settings that a result of a given age was made with; none where they cannot be read."""
+    with suppress(OSError, ValueError), measurements.READING, opened_dataset(path) as statistics:
         return json_attribute(statistics.attrs, "settings")
 
 

@@ -1,10 +1,11 @@
 """What a study may ask: the fields of each question, by the names of settings and of columns of the table."""
 
-from collections.abc import Collection, Mapping
+import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-_TABLE = Path(__file__).with_name("page") / "jobs.tsv"
+import yaml
 
 
 class Job(NamedTuple):
@@ -16,35 +17,26 @@ class Job(NamedTuple):
     made: dict[str, str]  # settings that follow from the question
 
 
-def _jobs() -> dict[str, Job]:
-    """Return the jobs of the table."""
-    jobs = {}
-    for line in _TABLE.read_text(encoding="utf-8").splitlines()[1:]:
-        key, question, names = line.split("\t")
-        plain = [name for name in names.split() if "=" not in name]
-        made = dict(name.split("=") for name in names.split() if "=" in name)
-        settings = [name for name in plain if "." in name]
-        jobs[key] = Job(question, settings, [name for name in plain if "." not in name], made)
-    return jobs
-
-
-JOBS = _jobs()
+_FILE = Path(__file__).with_name("page") / "jobs.yaml"
+JOBS = {key: Job(**job) for key, job in yaml.safe_load(_FILE.read_text(encoding="utf-8")).items()}
 # loads and forms, of which a study has one kind: those of another job are set aside
 _LOADS = {
-    name for job in JOBS.values() for name in (*job.settings, *job.made) if not name.startswith("statist")
+    name
+    for job in JOBS.values()
+    for name in (*job.settings, *job.made)
+    if "bodies" not in name and not name.startswith("statist")
 }
 
 
 def texts_for(job: str, texts: Mapping[str, str], aside: dict[str, str], *, former: str) -> dict[str, str]:
     """Return the texts of a form for a job: loads of a former one are kept `aside` until it is back."""
+    others = _LOADS - {*JOBS[job].settings} if former else {*()}
+    aside |= {name: text for name, text in texts.items() if text and _listed(name) in others}
+    returned = [name for name in aside if _listed(name) not in others]
+    kept = {name: text for name, text in texts.items() if _listed(name) not in others}
+    return kept | {name: aside.pop(name) for name in returned} | JOBS[job].made
 
-    def is_among(name: str, names: Collection[str]) -> bool:
-        """Return whether a field is one of these, or an entry of one that is a list."""
-        return name in names or name.rpartition(".")[0] in names
 
-    own = JOBS[job].settings
-    others = [name for name in _LOADS if name not in own and ".bodies." not in name and former]
-    kept = {name: text for name, text in texts.items() if not is_among(name, others)}
-    aside.update({name: text for name, text in texts.items() if name not in kept and text})
-    returned = {name: aside.pop(name) for name in [*aside] if is_among(name, own)}
-    return kept | returned | JOBS[job].made
+def _listed(name: str) -> str:
+    """Return the name of a field, of an entry of a list that of the list."""
+    return re.sub(r"\.\d+$", "", name)

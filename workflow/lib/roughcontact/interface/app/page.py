@@ -7,7 +7,7 @@ from typing import Any
 
 from starlette.datastructures import QueryParams
 
-from roughcontact.arguments import named_materials
+from roughcontact.arguments import named_materials, rectangles
 from roughcontact.arguments.settings import fields, generated, models
 from roughcontact.errors import SettingsError
 from roughcontact.interface.app import commands, jobs, measurements, study
@@ -18,13 +18,9 @@ from roughcontact.study import surfaces
 FOLDER = Path(__file__).with_name("page")
 _TEMPLATE = template("page.html", folder=FOLDER)
 # what the templates read of the settings, the table and the results
-_SHARED = {
-    module.__name__.rpartition(".")[2]: module for module in (commands, fields, generated, jobs, measurements)
-}
-_SHARED |= {
-    module.__name__.rpartition(".")[2]: module for module in (models, named_materials, outcome, surfaces)
-}
+_MODULES = (commands, fields, generated, jobs, models, named_materials, outcome, rectangles, surfaces)
 _SECTIONS = ("problem", "question", "files", "fields", "run", "look")
+_OF_ROWS = ("add", "set", "remove", "undo", "all")
 _PLAIN = ("check", "state", "export", "look", "all")  # buttons that change neither settings nor table
 
 
@@ -36,7 +32,8 @@ class Page:
         self.messages = dict.fromkeys(("add", "write", "command", "look"), "")
         self.of_study: dict[str, Any] | None = None  # settings of results, where the form has no mistakes
         self.revision = 0  # of the rows: their fields are made anew where not the user has changed them
-        self.context: dict[str, Any] = {"config": {}, "table": [], "job": ""}
+        self.context: dict[str, Any] = {"config": {}, "table": [], "job": "", "files": {}, "mistakes": {}}
+        self.context |= {"bodies": [], "form": QueryParams(), "chosen": {*()}}
         self.omitted: list[study.Row] = []  # rows that were left out last
         self.aside: dict[str, str] = {}  # loads of another question
         self.files_read = 0  # when the table was drawn
@@ -46,8 +43,7 @@ class Page:
         """Return the page of the study folder, under a name; without one that of a study open elsewhere."""
         sections = _SECTIONS if name else ()
         try:
-            config, rows, job = study.read_folder()
-            self.context = {"config": config, "table": rows, "job": job}
+            self.context |= zip(("config", "table", "job"), study.read_folder(), strict=True)
             return self.html(sections, name=name)  # the script asks for the rest at once
         except Exception as error:  # the files may be of anybody
             self.is_unread = True
@@ -56,37 +52,25 @@ class Page:
     def after(self, action: str, form: QueryParams) -> str:
         """Return the page after the action of a button."""
         if action == "state":
-            is_new = self.reader.count != self.files_read
+            is_new = self.reader.count() != self.files_read
             return self.html(["files"] * is_new + ["run"] + ["look"] * (not self.run.running()))
-        texts = dict(form.items()) | ({form["page.more"]: ""} if action == "more" else {})
-        controls = fields.grouped(texts).get("page", {})
-        job = controls.get("job", self.context["job"])
+        texts = {name: text for name, text in form.items() if not name.startswith("page.")}
+        texts |= {form["page.more"]: ""} if action == "more" else {}
+        job = form.get("page.job", self.context["job"])
         if job in jobs.JOBS and job != self.context["job"]:
             texts = jobs.texts_for(job, texts, self.aside, former=self.context["job"])
         config = fields.grouped(texts)
-        rows, chosen = config.pop("rows", []), {*map(int, form.getlist("page.selected"))}
-        config.pop("page", None)
-        self.revision += action in ("set", "remove", "undo", "all")
-        if action == "add":
-            paths = form.getlist("page.dropped") or [controls["path"]]
-            rows, self.messages["add"] = measurements.add(paths, rows)
-        elif action == "set":
-            cell = {controls["column"]: controls["cell"]}
-            rows = [row | cell if number in chosen else row for number, row in enumerate(rows)]
-        elif action in ("remove", "undo"):
-            rows, chosen = self._leave_out(rows, chosen if action == "remove" else None), set()
-        elif action == "all":
-            chosen = {*range(len(rows))}
-        elif action == "cancel":
+        rows = config.pop("rows", [])
+        rows, chosen = self._rows_after(action, form, rows, {*map(int, form.getlist("page.selected"))})
+        if action == "cancel":
             self.run.cancel()
         elif action == "export":
-            choices = [controls.get(name, "") for name in ("result", "form", "before")]
+            choices = [form.get(f"page.{name}", "") for name in ("result", "form", "before")]
             self.messages["command"], self.messages["look"] = commands.export(*choices, names=self.of_study)
-        settings = {name: texts[name] for name in texts if name.split(".")[0] in config}
+        settings = {name: text for name, text in texts.items() if not name.startswith("rows.")}
         report = study.check(settings, rows, job=job)
         self.of_study = report["results"] or self.of_study
-        self.context = report | {"config": config, "table": rows, "job": job}
-        self.context |= {"controls": controls, "chosen": chosen}
+        self.context = report | {"config": config, "table": rows, "job": job, "form": form, "chosen": chosen}
         if action not in _PLAIN:
             if len(report["files"]) < 2:
                 raise SettingsError(f"nothing is saved: {next(iter(report['mistakes'].values()))[0]}")
@@ -98,22 +82,34 @@ class Page:
             self.run.start()
         return self.html(_SECTIONS[1:] if action == "check" else _SECTIONS)  # what has gone wrong stays
 
-    def _leave_out(self, rows: list[study.Row], chosen: set[int] | None) -> list[study.Row]:
-        """Return rows without those that are chosen; where that is None, with those left out last."""
-        if chosen is not None:
+    def _rows_after(
+        self, action: str, form: QueryParams, rows: list[study.Row], chosen: set[int]
+    ) -> tuple[list[study.Row], set[int]]:
+        """Return the rows, and the numbers of those that are ticked, after the action of a button."""
+        self.revision += action in _OF_ROWS
+        if action == "add":  # those that are new are ticked
+            paths = form.getlist("page.dropped") or [form["page.path"]]
+            new, self.messages["add"] = measurements.further(paths, rows)
+            return [*rows, *new], {*range(len(rows), len(rows) + len(new))}
+        if action == "set":
+            cell = {form["page.column"]: form["page.cell"]}
+            return [row | cell if number in chosen else row for number, row in enumerate(rows)], chosen
+        if action == "remove":
             self.omitted = [row for number, row in enumerate(rows) if number in chosen]
-            self.messages["add"] = f"{len(chosen)} left out"
-            return [row for number, row in enumerate(rows) if number not in chosen]
-        returned, self.omitted, self.messages["add"] = self.omitted, [], f"{len(self.omitted)} back"
-        return [*rows, *returned]
+            self.messages["add"] = f"{len(self.omitted)} left out"
+            return [row for number, row in enumerate(rows) if number not in chosen], {*()}
+        if action == "undo":
+            returned, self.omitted = self.omitted, []
+            self.messages["add"] = f"{len(returned)} back"
+            return [*rows, *returned], {*()}
+        return rows, {*range(len(rows))} if action == "all" else chosen
 
     def html(self, sections: Sequence[str], **variables: Any) -> str:
         """Return sections of the page."""
-        defaults: dict[str, Any] = {"files": {}, "mistakes": {}, "bodies": [], "controls": {}, "chosen": ()}
-        defaults |= {"name": "", "problem": "", "sections": sections, "folder": Path.cwd()}
-        defaults["in_terminal"] = shlex.join(["cd", str(Path.cwd())])
-        context = _SHARED | vars(self) | defaults | {"screen": self.run.state()} | self.context
+        context = {module.__name__.rpartition(".")[2]: module for module in _MODULES} | vars(self)
+        context |= {"name": "", "problem": "", "sections": sections, "folder": Path.cwd()}
+        context |= {"screen": self.run.state(), "in_terminal": shlex.join(["cd", str(Path.cwd())])}
         if "files" in sections:
-            self.files_read = self.reader.count
+            self.files_read = self.reader.count()
             context["rows"] = self.reader.inspected(self.context["table"])
-        return _TEMPLATE.render(context | variables)
+        return _TEMPLATE.render(context | self.context | variables)

@@ -1,7 +1,6 @@
 """The server of the page: on the loopback interface, for one page with the token in its address."""
 
 import asyncio
-import json
 import os
 import secrets
 import signal
@@ -19,13 +18,13 @@ from starlette.datastructures import QueryParams
 from starlette.middleware import Middleware
 from starlette.middleware.base import BaseHTTPMiddleware
 from starlette.requests import Request
-from starlette.responses import HTMLResponse, PlainTextResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from roughcontact.errors import SettingsError
 from roughcontact.interface.app.access import Claim, Connection, guard
-from roughcontact.interface.app.measurements import heights, save_upload
+from roughcontact.interface.app.measurements import cut, save_upload, whole
 from roughcontact.interface.app.page import FOLDER, Page
 from roughcontact.interface.app.study import check_within_study, error_in_words
 from roughcontact.study.run_lock import lock_file
@@ -36,7 +35,7 @@ _LOCK, _OPENING = Path(".snakemake/page"), Path(".snakemake/page.html")
 
 def application(page: Page, *, token: str, port: int) -> Starlette:
     """Return the application of the study in the working directory."""
-    claim = Claim()
+    claim, one_by_one = Claim(), asyncio.Lock()
 
     async def first(request: Request) -> Response:
         deadline = time.monotonic() + _FAREWELL  # of the same page before it was loaded again
@@ -44,42 +43,44 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         while not name and time.monotonic() < deadline:
             await asyncio.sleep(0.02)
             name = claim.open()
-        return HTMLResponse(page.first(name), 200 if name else 409, {} if name else {"Refresh": "2"})
+        async with one_by_one:
+            return HTMLResponse(page.first(name), 200 if name else 409, {} if name else {"Refresh": "2"})
 
     async def answer(request: Request) -> Response:
         action, query = request.path_params["action"], request.query_params
+        claim.check(query.get("page", ""))
+        if action == "drop":
+            return PlainTextResponse(await save_upload(query.get("name", ""), request.stream()))
+        form = QueryParams(await request.body())
         try:
-            claim.check(query.get("page", ""), closed=action == "leave")
-            if action == "drop":
-                return PlainTextResponse(await save_upload(query.get("name", ""), request.stream()))
-            form = QueryParams(await request.body())
-            if action == "leave" and not form:  # with what was typed last, if anything
-                return PlainTextResponse("")
-            return HTMLResponse(await run_in_threadpool(page.after, action, form))
-        except Exception as error:  # the page says what is wrong, whatever it is
-            return HTMLResponse(page.html(["problem"], problem=error_in_words(error)), status_code=400)
+            async with one_by_one:  # a page that is left sends what was typed last, if anything
+                text = await run_in_threadpool(page.after, action, form) if form or action != "leave" else ""
+        finally:
+            if action == "leave":  # what the next page shows is written
+                claim.close()
+        return HTMLResponse(text)
 
-    def picture(request: Request) -> Response:
-        inspection = page.reader.inspections.get(request.path_params["key"], {})
-        return Response(inspection.get("picture"), media_type="image/png")
+    def of_map(request: Request) -> Response:
+        inspection = page.reader.readings[request.path_params["key"]].result()
+        if line := request.query_params.get("line"):
+            return JSONResponse(cut(inspection["row"], line))
+        is_whole = "whole" in request.query_params
+        return Response(
+            whole(inspection["row"]) if is_whole else inspection["picture"], media_type="image/png"
+        )
 
-    def heights_of_row(request: Request) -> Response:
-        try:
-            row = page.context["table"][request.path_params["number"]]
-            content, facts = heights(row, request.query_params.get("box", ""))
-        except Exception as error:
-            return PlainTextResponse(error_in_words(error), status_code=400)
-        return Response(content, headers={"facts": json.dumps(facts)})
+    def problem(error: Exception) -> Response:
+        return HTMLResponse(page.html(["problem"], problem=error_in_words(error)), status_code=400)
 
     routes = [
         Route("/", first),
-        Route("/map/{key}", picture),
-        Route("/heights/{number:int}", heights_of_row),
+        Route("/map/{key}", of_map),
         Route("/{action}", answer, methods=["POST"]),
         Mount("/page", StaticFiles(directory=FOLDER)),
         Mount("/results", StaticFiles(directory="results", check_dir=False)),
     ]
-    dispatch = partial(guard, token=token, hosts=(f"127.0.0.1:{port}", f"localhost:{port}"))
+    hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
+    dispatch = partial(guard, token=token, hosts=hosts, problem=problem)
     guard_layer = Middleware(BaseHTTPMiddleware, dispatch=dispatch)
     return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=[guard_layer])
 
@@ -119,5 +120,6 @@ def serve(folder: Path, *, port: int = 0, browser: bool = True) -> int:
             uvicorn.Server(config).run(sockets=[listener])
         finally:
             page.run.cancel()
+            page.reader.pool.shutdown(wait=False, cancel_futures=True)
             _OPENING.unlink(missing_ok=True)
     return 0

@@ -39,12 +39,12 @@ class _Dumper(yaml.SafeDumper):
     """A dumper of such texts."""
 
 
-def _as_typed(dumper: yaml.SafeDumper, text: _Typed) -> yaml.ScalarNode:
-    """Return the node of a text, of the type that YAML reads."""
-    return dumper.represent_scalar(dumper.resolve(yaml.ScalarNode, text, (True, False)), str(text))
-
-
-_Dumper.add_representer(_Typed, _as_typed)
+_Dumper.add_representer(
+    _Typed,
+    lambda dumper, text: dumper.represent_scalar(
+        dumper.resolve(yaml.ScalarNode, text, (True, False)), str(text)
+    ),
+)
 
 
 def read_folder() -> tuple[dict[str, Any], list[Row], str]:
@@ -133,10 +133,9 @@ def check(texts: Mapping[str, str], rows: Sequence[Row], *, job: str = "") -> di
             for mistake in error.mistakes or (error,):
                 sentence = str(mistake).replace(str(drafts[table]), str(table)).replace(f"{folder}/", "")
                 mistakes.setdefault(_field_of(mistake), []).append(sentence)
-    try:
+    bodies = []
+    with suppress(RoughContactError, LookupError, TypeError):  # none is stated, or one that does not exist
         bodies = named_bodies(config["contact"]["bodies"])
-    except (RoughContactError, LookupError, TypeError):  # none is stated, or one that does not exist
-        bodies = []
     return {"files": files, "mistakes": mistakes, "bodies": bodies, "results": results}
 
 

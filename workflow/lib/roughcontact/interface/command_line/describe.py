@@ -100,8 +100,6 @@ def labelled_line(label: str, text: str) -> str:
 def _map_lines(content: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the properties of a map that can be read."""
     pitch = " × ".join(dict.fromkeys(quantity(content[step], "m", digits=4) for step in ("dx", "dy")))
-    sides = ("size_x",) if content["ny"] == 1 else ("size_x", "size_y")
-    field = " × ".join(quantity(content[side], "m", digits=4) for side in sides)
     step = content["quantisation_step"]
     heights = f"{quantity(content['lowest'], 'm')} to {quantity(content['highest'], 'm')}"
     if step:
@@ -109,12 +107,18 @@ def _map_lines(content: Mapping[str, Any]) -> list[tuple[str, str]]:
     rms = f"rms height {quantity(content['rms_height'], 'm')}, rms gradient {number(content['rms_gradient'])}"
     return [
         ("size", points_in_words(content, noun=_POINTS)),
-        ("field", field),
+        ("field", field_in_words(content)),
         ("spacing", pitch),
         ("missing", f"{percent(content['missing_share'])}, {content['missing_points']} points"),
         ("heights", heights),
         ("off mean plane", f"{rms} (between neighbours)"),
     ]
+
+
+def field_in_words(content: Mapping[str, Any]) -> str:
+    """Return the sides of a map, x first, or the length of a profile."""
+    sides = ("size_x",) if content["ny"] == 1 else ("size_x", "size_y")
+    return " × ".join(quantity(content[side], "m", digits=4) for side in sides)
 
 
 def points_in_words(content: Mapping[str, Any], *, noun: str = " points") -> str:

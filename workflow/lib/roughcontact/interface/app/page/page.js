@@ -3,13 +3,13 @@
 const page = document.body.dataset.page;
 const element = id => document.getElementById(id);
 const fields = () => new URLSearchParams([...document.forms].flatMap(form => [...new FormData(form)]));
-let queue = Promise.resolve(), unsaved = false, waits = false, steps = 0;
+let queue = Promise.resolve(), unsaved = 0, waits = false, steps = 0;
 
 // Makes an element what it is in the answer, but for what was typed into a field, opened, or drawn.
 function merge(old, now) {
   if (old.isEqualNode(now)) return;
   if (old.nodeName !== now.nodeName || old.id !== now.id || old.nodeName === "#text") return old.replaceWith(now);
-  if (old.nodeName === "CANVAS") return;
+  if (old.nodeName === "polyline") return;
   const names = [...old.getAttributeNames(), ...now.getAttributeNames()].filter(name => name !== "open");
   for (const name of names)
     if (!now.hasAttribute(name)) old.removeAttribute(name);
@@ -24,25 +24,22 @@ async function put(response) {
   const focus = answer.querySelector("[autofocus]");
   for (const now of answer.querySelectorAll("main > *")) merge(element(now.id), now);
   if (focus) element(focus.id).focus();
-  await look();
 }
 
 async function send(action, more = []) {
   const body = fields();
   for (const [name, value] of more) body.append(name, value);
-  if (action === "write") unsaved = false;
+  const sent = unsaved;
   await put(await fetch(`${action}?page=${page}`, { method: "POST", body }));
+  unsaved -= sent;
 }
 
 async function upload(files) {
-  const paths = [], refused = [];
-  for (const file of files) {
-    const response = await fetch(`drop?page=${page}&name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
-    if (response.ok) paths.push(["page.dropped", await response.text()]);
-    else refused.push(response);
-  }
+  const responses = [], paths = [];
+  for (const file of files) responses.push(await fetch(`drop?page=${page}&name=${encodeURIComponent(file.name)}`, { method: "POST", body: file }));
+  for (const response of responses) if (response.ok) paths.push(["page.dropped", await response.text()]);
   await send("add", paths);
-  if (refused.length) await put(refused[0]);
+  for (const response of responses) if (!response.ok) await put(response);
 }
 
 function tell() {
@@ -64,12 +61,13 @@ document.addEventListener("submit", event => {
 document.addEventListener("input", event => {
   if (event.target.type === "file") return ask("drop", [...event.target.files]);
   if (event.target.form?.id !== "study") return;
-  unsaved = true;
+  unsaved += 1;
   if (!waits) ask("write");  // one at most waits for its turn: it sends what is there then
   waits = true;
 });
 for (const name of ["dragover", "drop"])  // a file beside the field would take the place of the page
   document.addEventListener(name, event => { if (event.target.id !== "choose") event.preventDefault(); });
-window.addEventListener("pagehide", () => navigator.sendBeacon(`leave?page=${page}`, unsaved ? fields() : ""));
+for (const name of ["beforeunload", "pagehide"])  // before the next page is asked for, and when this one ends otherwise
+  window.addEventListener(name, () => navigator.sendBeacon(`leave?page=${page}`, unsaved ? fields() : ""));
 ask("check");
 setInterval(() => { if (!steps) ask("state"); }, 1000);
