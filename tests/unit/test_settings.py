@@ -104,6 +104,57 @@ def test_a_section_is_the_keyword_arguments_of_its_verb(section, verb):
     assert Settings.model_fields[section].annotation().model_dump() == arguments
 
 
+def test_no_default_changes_by_mistake():
+    """Each default that decides a number, written once more: another one changes results of all users."""
+    defaults = {
+        "level.form": "plane",
+        "level.order": 2,
+        "level.robust": False,
+        "level.outlier_threshold": 6.0,
+        "level.line_alignment": "auto",
+        "level.fill": "harmonic",
+        "level.max_missing": 0.4,
+        "composite.shifts": 5,
+        "composite.rotations": [0.0],
+        "composite.overlap": 0.75,
+        "composite.seed": 0,
+        "window.placement": "largest",
+        "window.method": "smooth-cross-fade",
+        "window.width": 0.1,
+        "window.min_share": 0.05,
+        "window.reliable_band": False,
+        "form.edges": False,
+        "form.local_scale": False,
+        "contact.boundary": "periodic",
+        "contact.tolerance": 1e-4,
+        "contact.zero_frequency": "zero",
+        "contact.influence": "sampled",
+        "contact.precision": "double",
+        "contact.keep_fields": True,
+        "contact.on_failure": "raise",
+        "statistics.pressure_bins": 20,
+        "statistics.gap_bins": 20,
+        "statistics.flow": "auto",
+        "statistics.stress": "auto",
+        "uncertainty.sources": [
+            *("solver", "discretisation", "window", "instrument", "material", "hardness", "unresolved")
+        ],
+        "uncertainty.windows": 9,
+        "instrument.correct": False,
+        "wear.coefficient_factor": 1.0,
+        "sliding.poissons_ratio": 0.5,
+        "sliding.direction": 0.0,
+        "report.title": "Contact of rough surfaces",
+    }
+    sections = Settings().model_dump(mode="json", exclude={"surfaces", "cases"})
+    assert defaults == {
+        f"{section}.{key}": value
+        for section, values in sections.items()
+        for key, value in values.items()
+        if value is not None
+    }
+
+
 def test_composite_section_is_the_keyword_arguments_of_the_ensemble():
     parameters = inspect.signature(relative_positions).parameters.values()
     arguments = {

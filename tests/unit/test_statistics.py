@@ -541,6 +541,7 @@ def test_patches_of_oblong_pixels_are_counted_by_their_area():
     assert statistics["contact_clusters"].item() == 2
     assert statistics["largest_patch_area"].item() == pytest.approx(6e-11)
     assert np.unique(statistics["patch_bin_bounds"])[1] == pytest.approx(1e-11)
+    assert statistics.sizes["patch_bin"] == 46  # five per factor of ten of one pixel to 1e9, and what is less
 
 
 @pytest.mark.parametrize(
