@@ -175,11 +175,15 @@ def complete_statistics(
     `window` (y, x; m) has the attributes of reading, levelling and windowing, `budget` the same loads;
     `solver` is from `solver_arguments` of its kind.
     """
-    kind = kind_of(window, settings)
+    kind, asked = kind_of(window, settings), settings["statistics"]
+    # what a requirement is of, without what takes longer than the contact
+    of_requirement = {**asked, "stress": "never", "friction": None, "work_of_adhesion": None}
+    if not (asked["requirement"] or {}).get("leak"):
+        of_requirement |= {"flow": "never", "seal": None}
 
     def at_roughness(factor: float, load: float) -> xr.Dataset:
         """Return the statistics of the window with heights that are larger by a factor."""
-        plain = {**settings, "uncertainty": {"sources": []}}
+        plain = {**settings, "statistics": of_requirement, "uncertainty": {"sources": []}}
         return solve_and_evaluate(
             window.copy(data=window.values * factor), plain, {**solver, kind.facts.load: [load]}
         ).statistics
@@ -187,7 +191,7 @@ def complete_statistics(
     yielding = add_first_yield(statistics, window, settings["contact"], threads=solver["threads"])
     complete = add_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
     complete = kind.with_corrected_sizes(complete, yielding)
-    asked, area = settings["statistics"], settings["contact"].get("area")
+    area = settings["contact"].get("area")
     complete = with_allowed(add_overview_line(complete), asked, area=area)
     complete = with_largest_roughness(complete, asked, at_roughness, area=area)
     result = add_verdicts(add_precision(complete).assign_attrs(_properties(window, settings)), window)
