@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.arguments.kinds import FINITE_BODY, LOCAL_SCALE, PERIODIC_MAP, facts_of, facts_of_settings
+from roughcontact.arguments.kinds import (
+    FINITE_BODY,
+    KIND_FACTS,
+    LOCAL_SCALE,
+    PERIODIC_MAP,
+    facts_of,
+    facts_of_settings,
+)
 from roughcontact.arguments.settings.fields import fields_at
 from roughcontact.arguments.settings.models import Friction, Settings
 from roughcontact.arguments.settings.resolve import resolve
@@ -42,7 +49,7 @@ def test_functions_and_settings_refuse_with_the_same_sentence(options):
 def test_every_rule_is_of_a_setting_that_there_is():
     names = {f"{section}.{key}" for section in Settings.model_fields for key in fields_at([section])}
     names |= {f"statistics.friction.{key}" for key in Friction.model_fields} | {*Settings.model_fields}
-    for facts in (PERIODIC_MAP, FINITE_BODY, LOCAL_SCALE):
+    for facts in KIND_FACTS:
         rules = {*facts.excluded, *chain.from_iterable(facts.excluded_with.values()), *facts.admitted}
         rules -= OF_FUNCTIONS
         assert {rule.partition(" = ")[0] for rule in rules} <= names

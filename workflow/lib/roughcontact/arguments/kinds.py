@@ -98,6 +98,10 @@ class KindFacts:
     excluded_with: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     own_settings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
+    def is_stated(self, form: Mapping[str, Any], contact: Mapping[str, Any]) -> bool:
+        """Return whether the sections `form` and `contact` of settings, checked or not, state this kind."""
+        return contact.get("boundary") == self.boundary
+
     def arguments(self, pressure: float, area: float) -> dict[str, Any]:
         """Return the arguments of `solve_contact` for a mean pressure (Pa) on the area of a map (m2)."""
         return {"boundary": self.boundary, self.load: pressure * self.load_over_pressure(area)}
@@ -173,6 +177,10 @@ class FiniteBodyFacts(KindFacts):
 @dataclass(frozen=True)
 class LocalScaleFacts(KindFacts):
     """The facts of a map smaller than the contact, each place of which is under a pressure of Hertz."""
+
+    def is_stated(self, form: Mapping[str, Any], contact: Mapping[str, Any]) -> bool:
+        """Return whether the section `form` has a form that is wider than the map."""
+        return bool(form.get("local_scale"))
 
     def mistakes_in_loads(self, stated: Collection[str], where: str) -> Iterator[tuple[str, str]]:
         """Yield nothing: the force on the form is the load."""
@@ -275,6 +283,10 @@ FINITE_BODY = FiniteBodyFacts(
 )
 
 
+# the first that settings state is theirs, without any a periodic map
+KIND_FACTS: tuple[KindFacts, ...] = (LOCAL_SCALE, FINITE_BODY, PERIODIC_MAP)
+
+
 def facts_of(attrs: Mapping[str, Any]) -> KindFacts:
     """Return the facts by the word `boundary` in a section `contact`, or the attributes of a map or result.
 
@@ -283,8 +295,7 @@ def facts_of(attrs: Mapping[str, Any]) -> KindFacts:
     >>> facts_of({}).load, facts_of({"boundary": "free"}).load
     ('mean_pressure', 'force')
     """
-    word = attrs.get("boundary")
-    return next((facts for facts in (PERIODIC_MAP, FINITE_BODY) if facts.boundary == word), PERIODIC_MAP)
+    return facts_of_settings({"contact": attrs})
 
 
 def sections_on_form(radius: Collection[float]) -> dict[str, dict[str, Any]]:
@@ -325,7 +336,7 @@ def facts_of_settings(settings: Mapping[str, Any]) -> KindFacts:
     form, contact = (
         section if isinstance(section := settings.get(name), Mapping) else {} for name in ("form", "contact")
     )
-    return LOCAL_SCALE if form.get("local_scale") else facts_of(contact)
+    return next((facts for facts in KIND_FACTS if facts.is_stated(form, contact)), PERIODIC_MAP)
 
 
 def _one_by_one(settings: Mapping[str, Any], where: str = "") -> Iterator[tuple[str, Any]]:

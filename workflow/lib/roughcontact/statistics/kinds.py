@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.kinds import FINITE_BODY, PERIODIC_MAP, KindFacts, facts_of
+from roughcontact.arguments.kinds import FINITE_BODY, KIND_FACTS, PERIODIC_MAP, KindFacts, facts_of
 from roughcontact.arguments.quantities import pressure_unit, quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.statistics.finite_body import finite_body_columns
@@ -25,9 +25,15 @@ _NUMBERS: Mapping[str, Callable[..., dict[str, Any]]] = {FINITE_BODY.name: finit
 
 def facts_of_numbers(numbers: Numbers) -> KindFacts:
     """Return the facts of the kind of problem of numbers, by those that only one kind has."""
-    own = FINITE_BODY.own_numbers[0]  # as in `decisions`
-    has_own = own in numbers and np.isfinite(np.asarray(numbers[own], float)).any()
-    return FINITE_BODY if has_own else PERIODIC_MAP
+    return next(
+        (
+            facts
+            for facts in KIND_FACTS
+            for name in facts.own_numbers[:1]
+            if name in numbers and np.isfinite(np.asarray(numbers[name], float)).any()
+        ),
+        PERIODIC_MAP,
+    )
 
 
 def reason_without_flow(numbers: Numbers) -> str:

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.kinds import FINITE_BODY
+from roughcontact.arguments.kinds import KIND_FACTS
 from roughcontact.arguments.measurement import json_attributes
 from roughcontact.arguments.quantities import quantity
 from roughcontact.errors import SettingsError
@@ -57,7 +57,8 @@ def needed_for_groups(names: Iterable[str]) -> list[str]:
     """
     suffixes = (*ENDS, "_map_lower", "_map_upper", "_components", "_parts")
     needed = {f"{name}{suffix}" for name in (*QUANTITIES, *ANSWERS) for suffix in suffixes}
-    needed |= {"mean_pressure", "contact_modulus", "rms_height", *_OF_HARDNESS, *FINITE_BODY.own_numbers}
+    needed |= {"mean_pressure", "contact_modulus", "rms_height", *_OF_HARDNESS}
+    needed |= {name for facts in KIND_FACTS for name in facts.own_numbers}
     return [name for name in names if name in needed]
 
 
