@@ -11,6 +11,8 @@ of the upper one. S p^2/2 is an energy, so that S > 0 for q > 0, which is all th
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
+from operator import attrgetter
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -69,12 +71,10 @@ class Stack(NamedTuple):
 
     def merged(self) -> "Stack":
         """Return the same body with neighbouring layers of one material as one, and none like its base."""
-        layers: list[Layer] = []
-        for layer in self.layers:
-            if layers and layers[-1].material == layer.material:
-                layers[-1] = Layer(layers[-1].thickness + layer.thickness, layer.material)
-            else:
-                layers.append(layer)
+        layers = [
+            Layer(sum(layer.thickness for layer in equal_layers), material)
+            for material, equal_layers in groupby(self.layers, key=attrgetter("material"))
+        ]
         if layers and layers[-1].material == self.base:
             layers.pop()
         return Stack(tuple(layers), self.base)
