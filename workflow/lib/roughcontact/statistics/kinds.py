@@ -30,7 +30,8 @@ def facts_of_numbers(numbers: Numbers) -> KindFacts:
             facts
             for facts in KIND_FACTS
             for name in facts.own_numbers[:1]
-            if name in numbers and np.isfinite(np.asarray(numbers[name], float)).any()
+            if name in numbers  # looked for first, as in `decisions`
+            if np.isfinite(np.asarray(numbers[name], float)).any()
         ),
         PERIODIC_MAP,
     )
