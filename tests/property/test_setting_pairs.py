@@ -113,7 +113,11 @@ ELSEWHERE = {
     "of every case": ["contact.contact_modulus", "contact.bodies", "contact.mean_pressure", "contact.force"],
     "of every case as well": ["contact.tolerance", "form.radius", "uncertainty.sources"],
     "no number": ["level.max_missing", "window.min_share", "contact.keep_fields", "contact.on_failure"],
-    "test_targets.py, test_elastic_loads.py": ["contact.target_gap", "contact.target", "contact.relative_pressure"],
+    "test_targets.py, test_elastic_loads.py": [
+        "contact.target_gap",
+        "contact.target",
+        "contact.relative_pressure",
+    ],
     "test_unloading.py": ["contact.unload"],
     "test_rounding.py": ["contact.precision"],
     "test_faces.py": ["composite.shifts", "composite.rotations", "composite.overlap", "composite.seed"],
