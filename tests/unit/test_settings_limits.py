@@ -25,6 +25,7 @@ STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": None}
 MORE = {"yield_stress": 4e8, "thermal_conductivity": 50.0, "electrical_resistivity": 2e-7}
 MORE |= dict.fromkeys(("base", "layers", "creep_modulus", "relaxation"))
 MORE |= {"name": "steel"} | {name_of_range(name): None for name in OF_BODIES}
+SERIES = {"long_time_modulus": 1e6, "moduli": 1e6, "times": 1.0}
 COATING = {"thickness": 1e-6, "youngs_modulus": 2e11, "poissons_ratio": 0.2}
 COATING |= {"thermal_conductivity": 2.0, "electrical_resistivity": 1e-3}
 SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3, "perimeter": 0.1}
@@ -159,11 +160,6 @@ LIMITS = {
     "wear.coefficient_factor": ([1, 3.5], [BELOW_ONE, 0]),
     "wear.distance": ([f"{SMALLEST} m", [f"{SMALLEST} m"], [1.0, 2.0]], [0, [], [1, -1]]),
     "wear.mean_pressure": ([SMALLEST_PRESSURE, None], [0, -1]),
-    "sliding.relaxation": (["dma.csv"], [""]),
-    "sliding.poissons_ratio": ([-1 + 1e-9, 0.5], [-1, 0.51]),
-    "sliding.wlf": ([[8.86, 101.6]], [[8.86], [0, 1], [1, 2, 3]]),
-    "sliding.face_conductivity": ([f"{SMALLEST} W/(m K)", None], [0, -1]),
-    "sliding.rubber_conductivity": ([f"{SMALLEST} W/(m K)", None], [0, -1]),
     "sliding.speed": ([f"{SMALLEST} m/s", [f"{SMALLEST} m/s"], [1.0, 2.0]], [0, [], [1, -1]]),
     "sliding.mean_pressure": ([SMALLEST_PRESSURE, None], [0, -1]),
     "surfaces": (["s"], [""]),
@@ -174,8 +170,6 @@ OTHERS = {
     "contact.target",
     "uncertainty.sources",
     "instrument.finer_spectrum",
-    "sliding.relaxation",
-    "sliding.wlf",
     "surfaces",
 }
 NUMBERS = [key for key in LIMITS if key not in OTHERS]
@@ -200,8 +194,7 @@ def configured(key, value):
         value = {value: 1e9} if isinstance(value, float | str) else value
         value = {"1 h": value} if isinstance(value, bool) else value
     if key == "contact.time":
-        series = {"long_time_modulus": 1e6, "moduli": 1e6, "times": 1.0}
-        return {"contact": {"bodies": [{"relaxation": series}, "rigid"], "time": value}}
+        return {"contact": {"bodies": [{"relaxation": SERIES}, "rigid"], "time": value}}
     if key.startswith("contact.bodies."):
         hard = {"hardness": 1e9} if key.endswith("hardness_uncertainty") else {}
         return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | hard | {key.rpartition(".")[2]: value}]}}
@@ -223,10 +216,8 @@ def configured(key, value):
     if key.startswith("wear."):
         config["wear"] = {"coefficient": 1e-16, "distance": 1.0}
     if key.startswith("sliding."):
-        temperatures = {"wlf": [8.86, 101.6], "reference_temperature": 20.0, "temperature": 5.0}
-        heat = {"face_conductivity": 1.5, "rubber_conductivity": 0.25}
-        heat = heat if value is not None else {}
-        config["sliding"] = {"relaxation": "dma.csv", "speed": 1.0} | temperatures | heat
+        config["contact"] = {"bodies": [{"relaxation": SERIES}, "rigid"]}
+        config["sliding"] = {"speed": 1.0}
     *section, name = key.split(".")
     (config.setdefault(section[0], {}) if section else config)[name] = value
     return config

@@ -29,11 +29,10 @@ def table(highest=1e7):
 
 
 def settings(highest=1e7):
-    shift = dict.fromkeys(("wlf", "reference_temperature", "temperature"))
-    rubber = {"relaxation": table(highest), "poissons_ratio": 0.5, "speed": SPEEDS, "direction": 0.0}
-    rubber |= {"face_conductivity": 1.5, "rubber_conductivity": 0.25}
+    rubber = {"relaxation": table(highest), "poissons_ratio": 0.5, "thermal_conductivity": 0.25}
     return {
-        "sliding": rubber | shift,
+        "contact": {"bodies": [rubber, {"thermal_conductivity": 1.5}]},
+        "sliding": {"speed": SPEEDS, "direction": 0.0},
         "statistics": {"friction": {"shear_strength": 1e6}, "seal": None},
     }
 

@@ -7,8 +7,8 @@ from small_project import project_of_cases
 from roughcontact.arguments.answers import FRICTION
 from roughcontact.results.storage import read_dataset
 
-CONTACT = {"contact_modulus": "4 MPa", "mean_pressure": ["20 kPa", "50 kPa"]}
-SLIDING = {"relaxation": "dma.csv", "speed": ["0.1 mm/s", "10 mm/s", "1 m/s"]}
+CONTACT = {"bodies": [{"relaxation": "dma.csv"}, "rigid"], "mean_pressure": ["20 kPa", "50 kPa"]}
+SLIDING = {"speed": ["0.1 mm/s", "10 mm/s", "1 m/s"]}
 CASES = {"plain": {}, "rubber": {"sliding": SLIDING}}
 
 
@@ -26,7 +26,7 @@ def test_sliding_goes_from_the_settings_to_the_page(tmp_path, checkout):
     project = project_of_cases(tmp_path / "project", checkout, CONTACT, CASES)
     refused = project.run()
     assert refused.returncode != 0
-    assert "sliding.relaxation = dma.csv: no such file" in refused.stderr
+    assert "relaxation = dma.csv: not read as a table" in refused.stderr
     write_table(project.path("dma.csv"))
     run = project.run()
     assert run.returncode == 0, run.stderr

@@ -11,6 +11,29 @@ from roughcontact.errors import SettingsError
 _MATERIAL = ("youngs_modulus", "poissons_ratio")
 
 
+def relaxing_body(bodies: Sequence[Mapping[str, Any]] | None) -> Mapping[str, Any]:
+    """Return the body, if there is one, whose relaxation is stated, else an empty one.
+
+    Examples
+    --------
+    >>> relaxing_body([{"name": "granite"}, {"name": "tread", "relaxation": "dma.csv"}])["name"]
+    'tread'
+    """
+    return next((body for body in bodies or () if body.get("relaxation") is not None), {})
+
+
+def relaxation_table(bodies: Sequence[Mapping[str, Any]] | None) -> str:
+    """Return the path of the table that states the relaxation of a body; empty without one.
+
+    Examples
+    --------
+    >>> relaxation_table([{"relaxation": {"table": "dma.csv", "wlf": [8.86, 101.6]}}]), relaxation_table(None)
+    ('dma.csv', '')
+    """
+    stated = relaxing_body(bodies).get("relaxation", "")
+    return stated.get("table", "") if isinstance(stated, Mapping) else stated
+
+
 def check_bodies(bodies: Sequence[str | Mapping[str, Any]], *, where: str = "bodies") -> list[dict[str, Any]]:
     """Return one or two bodies (named, or with Pa, m, layers from the surface inwards) as checked numbers.
 

@@ -210,7 +210,7 @@ PERIODIC_MAP = KindFacts(
             "wear": "of two rough faces, whose sum changes while they slide; wear is of one rough face "
             "against a smooth one: leave out wear.coefficient, or the pair",
             "sliding": "of two rough faces, whose sum changes while they slide; rubber slides over one rough "
-            "face: leave out sliding.relaxation, or the pair",
+            "face: leave out sliding.speed, or the pair",
             "sliding_friction": "the map is the sum of two rough faces, which changes while one slides over "
             "the other; give the window of the stiff one",
             "run_in": "the map is the sum of two rough faces, which changes while one slides over the other: "

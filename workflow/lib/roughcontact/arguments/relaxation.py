@@ -120,12 +120,13 @@ def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> R
     )
 
 
-def relaxing_body(body: Any) -> Any:
+def with_modulus_at_rest(body: Any) -> Any:
     """Return a body whose relaxation is stated with its modulus at rest, where it states none.
 
     Examples
     --------
-    >>> rubber = relaxing_body({"relaxation": {"long_time_modulus": 3e6, "moduli": [27e6], "times": [1e-4]}})
+    >>> series = {"long_time_modulus": 3e6, "moduli": [27e6], "times": [1e-4]}
+    >>> rubber = with_modulus_at_rest({"relaxation": series})
     >>> print(rubber["youngs_modulus"], rubber["poissons_ratio"])
     3000000.0 0.5
     """

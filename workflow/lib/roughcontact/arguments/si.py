@@ -39,8 +39,7 @@ _NAMES = {
     "degree": "rotation rotations direction",
     "J m-2": "work_of_adhesion",
     "Pa s": "seal.viscosity",
-    "W m-1 K-1": "thermal_conductivity joint.gas_conductivity joint.film_conductivity "
-    "face_conductivity rubber_conductivity",
+    "W m-1 K-1": "thermal_conductivity joint.gas_conductivity joint.film_conductivity",
     "m s-1": "speed",
     "m2 s-1": "thermal_diffusivity",
     "Ohm m": "electrical_resistivity",

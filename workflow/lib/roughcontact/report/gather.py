@@ -60,7 +60,7 @@ def write_results(
         of_case = settings if entry["case"] is None else settings[entry["case"]]
         if not of_case.get("wear", {}).get("coefficient"):
             file_of(entry, "worn.nc").unlink(missing_ok=True)
-        if not of_case.get("sliding", {}).get("relaxation"):
+        if not of_case.get("sliding", {}).get("speed"):
             file_of(entry, "sliding.nc").unlink(missing_ok=True)
     statistics = collect_statistics(finished)
     attrs = provenance(settings_of_statistics, source_sha256=statistics.source_sha256, stage="statistics")

@@ -6,6 +6,7 @@ import shutil
 from contextlib import chdir
 from pathlib import Path
 
+from roughcontact.arguments.bodies import relaxation_table
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.guards import sha256
 from roughcontact.results.storage import opened_dataset, write_text
@@ -67,8 +68,9 @@ def copy_inputs(results: Path, configuration: Path, read_checksums: set[str]) ->
         instrument = section.get("instrument") or {}
         if path := instrument.get("finer_spectrum"):
             instrument["finer_spectrum"] = copied(path, search_path)
-        sliding = section.get("sliding") or {}
-        if path := sliding.get("relaxation"):
-            sliding["relaxation"] = copied(path, search_path)
+        for body in (section.get("contact") or {}).get("bodies") or ():
+            if path := isinstance(body, dict) and relaxation_table([body]):
+                stated = {"table": body["relaxation"]} if path == body["relaxation"] else body["relaxation"]
+                body["relaxation"] = stated | {"table": copied(path, search_path)}
     write_text(json.dumps(config | {"surfaces": name}, indent=2, default=str) + "\n", target / "config.yaml")
     return target / "config.yaml"

@@ -12,6 +12,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+from roughcontact.arguments.bodies import relaxation_table
 from roughcontact.arguments.settings.generated import changed_settings
 from roughcontact.arguments.settings.messages import NAME
 from roughcontact.arguments.settings.stages import SECTIONS, origin_id, owner, stage_settings
@@ -175,7 +176,7 @@ class Plan:
     @cached_property
     def slid(self) -> list[str]:
         """The folders of the results over whose face rubber slides."""
-        return [result for result in self.results if self.cases[split(result)[0]]["sliding"]["relaxation"]]
+        return [result for result in self.results if self.cases[split(result)[0]]["sliding"]["speed"]]
 
     def row(self, surface: str) -> Surface:
         """Return the row of the table from which a surface comes, or the measured file of a face."""
@@ -197,7 +198,7 @@ class Plan:
         if rule == "wear":
             cases = [case for case in self.cases if self.cases[case]["wear"]["coefficient"]]
         if rule == "slide":
-            cases = [case for case in self.cases if self.cases[case]["sliding"]["relaxation"]]
+            cases = [case for case in self.cases if self.cases[case]["sliding"]["speed"]]
         pairs = regex_of_names(dict.fromkeys(placement.pair for placement in self.placements.values()))
         last = max((placement.number for placement in self.placements.values()), default=0)
         face = f"{pairs}-(?:counter-)?face"
@@ -253,12 +254,14 @@ class Plan:
                 *self.with_overview.get(surface, ()),
             ]
             return [*dict.fromkeys([str(row.path), *(entry["path"] for entry in files_along)])]
+        path = relaxation_table(self.cases[case]["contact"]["bodies"])
+        relaxation = [path] if path else []
         if rule == "slide":
-            return [self.cases[case]["sliding"]["relaxation"]]
+            return relaxation
         if rule not in ("contact", "statistics") or self.other_case("uncertainty", result):
             return []
         finer = self.cases[case]["instrument"]["finer_spectrum"]
-        return [finer] if finer else []
+        return [*([finer] if finer else []), *relaxation]
 
     def all_sources(self, result: str) -> list[str]:
         """Return the paths of the measured files that contribute to a result."""

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from roughcontact.arguments.bodies import relaxation_table
 from roughcontact.arguments.lays import lay_facts
 from roughcontact.io.checksums import checksum
 from roughcontact.io.size import estimate_points
@@ -144,8 +145,13 @@ class RuleArguments:
 
     def _reads(self, rule: Rule) -> bool:
         """Return whether any job of a rule reads files from outside."""
-        finer = any(settings["instrument"]["finer_spectrum"] for settings in self.plan.cases.values())
-        return rule == "slide" or rule.startswith("prepare") or (finer and rule in ("contact", "statistics"))
+        further = any(
+            settings["instrument"]["finer_spectrum"] or relaxation_table(settings["contact"]["bodies"])
+            for settings in self.plan.cases.values()
+        )
+        return (
+            rule == "slide" or rule.startswith("prepare") or (further and rule in ("contact", "statistics"))
+        )
 
     def _points(self, result: str) -> int:
         """Return about how many points a measured map has, which is known before anything ran."""

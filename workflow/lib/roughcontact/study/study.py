@@ -50,7 +50,7 @@ def read_study(
         cases = resolve(config, origin=origin)
     except SettingsError as error:
         errors.append(error)
-    files = (("instrument", "finer_spectrum"), ("sliding", "relaxation"))
+    files = (("instrument", "finer_spectrum"),)
     errors += [
         SettingsError(
             f"{section}.{key} = {path}: no such file; correct the path (from the working folder)",
@@ -79,7 +79,7 @@ def read_study(
     ]
     errors += [
         SettingsError(f"{row.origin}, {PAIR}: {reason}", place=f"rows.{row.line}.{PAIR}")
-        for section, key in (("wear", "coefficient"), ("sliding", "relaxation"))
+        for section, key in (("wear", "coefficient"), ("sliding", "speed"))
         for row in surfaces.values()
         if (reason := PERIODIC_MAP.reason_against(section, row.properties))
         and any(settings[section][key] for settings in cases.values())

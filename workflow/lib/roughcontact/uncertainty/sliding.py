@@ -13,6 +13,7 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, FRICTION, GAP, PEAK, PRESSURE
+from roughcontact.arguments.bodies import relaxing_body
 from roughcontact.arguments.variables import describe
 from roughcontact.statistics.sliding import sliding_friction
 from roughcontact.uncertainty.course import squared_widths, with_ends
@@ -26,18 +27,19 @@ def slid_in_a_run(
     window: xr.DataArray, settings: Mapping[str, Mapping[str, Any]], *, mean_pressure: float, threads: int = 1
 ) -> xr.Dataset:
     """Return what `sliding_friction` makes of the window by the settings, with the ends of the intervals."""
-    sliding, statistics = settings["sliding"], settings["statistics"]
-    shift = ("wlf", "reference_temperature", "temperature")
+    sliding, statistics, bodies = settings["sliding"], settings["statistics"], settings["contact"]["bodies"]
+    rubber = relaxing_body(bodies)
+    (face,) = (body for body in bodies if body is not rubber)
     run: Callable[..., xr.Dataset] = partial(
         sliding_friction,
-        relaxation={"table": sliding["relaxation"]} | {key: sliding[key] for key in shift},
+        relaxation=rubber["relaxation"],
         speed=sliding["speed"],
         direction=sliding["direction"],
-        poissons_ratio=sliding["poissons_ratio"],
+        poissons_ratio=rubber["poissons_ratio"],
         mean_pressure=mean_pressure,
         threads=threads,
     )
-    conductivities = [sliding[f"{body}_conductivity"] for body in ("face", "rubber")]
+    conductivities = [body.get("thermal_conductivity") for body in (face, rubber)]
     friction, stated = statistics["friction"] or {}, statistics["seal"]
     seal = stated and {key: stated[key] for key in _OF_A_SEAL if stated.get(key) is not None}
     slid = run(

@@ -624,26 +624,10 @@ class Wear(Section):
 class Sliding(Section):
     """Friction of rubber that slides over the face; see docs/how-to/rubber.md."""
 
-    relaxation: str | None = Field(default=None, min_length=1, examples=["measured/dma.csv"])
-    """path of the table of its storage and loss modulus over frequency; null: no sliding"""
-    poissons_ratio: Annotated[Number, Field(gt=-1, le=0.5)] = 0.5
-    """of the rubber, no unit"""
-    wlf: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = _example([8.86, 101.6])
-    """constants C1 (no unit) and C2 (K) of Williams, Landel and Ferry, for a temperature other than that of
-    the table"""
-    reference_temperature: Number | None = _example(20.0)
-    """of the table, in °C as the next one, or both in K"""
-    temperature: Number | None = _example(5.0)
-    """of the rubber"""
     speed: Speeds | None = _example(["1 mm/s", "10 mm/s", "0.1 m/s", "1 m/s"])
-    """speeds at which it slides, rising, m/s; needs the relaxation"""
+    """speeds at which it slides, rising, m/s; one of the bodies states its relaxation; null: no sliding"""
     direction: Angle = 0.0
     """in which it slides over the face, from x towards y, degree"""
-    face_conductivity: Conductivity | None = _example(1.5)
-    """thermal conductivity of the face, W m-1 K-1: with that of the rubber the page says from which speed on
-    the contact is 10 K warmer"""
-    rubber_conductivity: Conductivity | None = _example(0.25)
-    """thermal conductivity of the rubber, W m-1 K-1"""
     mean_pressure: Pressure | None = _example("0.5 MPa")
     """nominal pressure of sliding, Pa; null: the largest load of the contact"""
 

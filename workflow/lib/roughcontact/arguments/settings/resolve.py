@@ -54,6 +54,7 @@ _NEEDS = (
     (_SPEED, *_CONDUCTING),
     ("friction.thermal_diffusivity", (_SPEED,), "is of sliding; give the speed as well, or leave it out"),
 )
+_RIGID = 0.01  # share of a rigid face in the displacement
 # keys that are the same for all cases
 _COMMON = ("surfaces", "composite", "report", "cases")
 
@@ -104,9 +105,11 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
                 body | no_hardness if isinstance(body, dict) else body for body in named_bodies(stated_bodies)
             ]
             if any(isinstance(body, dict) and body.get("relaxation") for body in contact_section["bodies"]):
-                from roughcontact.arguments.relaxation import relaxing_body  # with all that reads tables
+                from roughcontact.arguments.relaxation import (
+                    with_modulus_at_rest,  # with all that reads tables
+                )
 
-                contact_section["bodies"] = [*map(relaxing_body, contact_section["bodies"])]
+                contact_section["bodies"] = [*map(with_modulus_at_rest, contact_section["bodies"])]
     except SettingsError as error:
         return {}, [*mistakes, _mistake(f"{where}.bodies", f": {error}")]
     try:
@@ -129,7 +132,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         _mistakes_in_statistics(settings),
         _mistakes_in_creep(contact, where),
         _mistakes_in_wear(settings["wear"], contact),
-        _mistakes_in_sliding(settings["sliding"]),
+        _mistakes_in_sliding(settings["sliding"], contact),
     )
     return settings, [*mistakes, *chain(*further)]
 
@@ -227,21 +230,20 @@ def _mistakes_in_wear(wear: Mapping[str, Any], contact: Mapping[str, Any]) -> It
         yield _mistake("wear.mean_pressure", text)
 
 
-def _mistakes_in_sliding(sliding: Mapping[str, Any]) -> Iterator[SettingsError]:
+def _mistakes_in_sliding(sliding: Mapping[str, Any], contact: Mapping[str, Any]) -> Iterator[SettingsError]:
     """Yield what is wrong with the sliding of rubber."""
-    for key, needed in (("relaxation", "speed"), ("speed", "relaxation"), ("mean_pressure", "relaxation")):
-        if sliding[key] is not None and sliding[needed] is None:
-            yield _mistake(f"sliding.{needed}", ": missing; sliding needs the relaxation and the speed")
-            break
-    shift = [key for key in ("wlf", "reference_temperature", "temperature") if sliding[key] is not None]
-    if len(shift) in (1, 2):
-        text = ": another temperature needs wlf, reference_temperature and temperature"
-        yield _mistake(f"sliding.{shift[0]}", text)
-    if (sliding["face_conductivity"] is None) != (sliding["rubber_conductivity"] is None):
-        yield _mistake(
-            "sliding.face_conductivity", ": and rubber_conductivity belong together; give both or neither"
-        )
-    speeds = sliding["speed"] or ()
+    speeds, bodies = sliding["speed"] or (), contact["bodies"] or ()
+    relaxing = [body for body in bodies if body["relaxation"]]
+    if sliding["mean_pressure"] is not None and not speeds:
+        yield _mistake("sliding.speed", ": missing; sliding needs it")
+    if speeds and len(relaxing) != 1:
+        text = ": needs the relaxation of one of the bodies: bodies: [{relaxation: dma.csv}, rigid]"
+        yield _mistake("sliding.speed", text)
+    elif speeds and properties_of_bodies(bodies):
+        yield _mistake("sliding.speed", ": is of bodies without layers")
+    elif speeds and contact_modulus(bodies) < (1 - _RIGID) * contact_modulus(relaxing):
+        text = ": the face is taken to be rigid, and gives way by more than a percent of what the rubber does"
+        yield _mistake("sliding.speed", text)
     if any(after <= before for before, after in pairwise(speeds)):
         yield _mistake("sliding.speed", ": give each speed once, in rising order")
 
