@@ -13,7 +13,16 @@ from roughcontact.arguments.maps import height_map
 from roughcontact.report import load_plots
 from roughcontact.report.charts import COLOURS
 from roughcontact.report.facts import _closing, surface_facts
-from roughcontact.report.glance import NOT_JUDGED, Cell, _seals, _yields, glance_rows, glance_units
+from roughcontact.report.glance import (
+    COLUMN_NAMES,
+    NOT_JUDGED,
+    Cell,
+    _seals,
+    _yields,
+    answer_line,
+    glance_rows,
+    glance_units,
+)
 from roughcontact.report.page import _comparisons
 from roughcontact.report.tables import number_tables
 from roughcontact.results.collect import collect_statistics, result_entry, solved_results
@@ -243,3 +252,47 @@ def test_periodic_results_beside_those_of_a_finite_body(tmp_path):
     ((_, text),) = _comparisons(series, {}, has_groups=False, large=True)
     assert "theories" in text
     assert _comparisons(dict([*series.items()][1:]), {}, has_groups=False, large=True) == []
+
+
+def test_a_remark_of_several_answers_stands_once_in_the_line():
+    ends = {"relative_contact_area_lower": 0.18, "relative_contact_area_upper": 0.22}
+    ends |= {"mean_contact_pressure_lower": 4.5e7, "mean_contact_pressure_upper": 5.5e7}
+    load = {"mean_pressure": 1e7, "relative_contact_area": 0.2, "mean_contact_pressure": 5e7} | ends
+    load |= {"max_pressure": 1e8, "mean_gap": 1e-7, "load_share_above_hardness": 0.3}
+    names = {name: ("load", [value]) for name, value in load.items()}
+    numbers = xr.Dataset(names | {"hardness": 1e8, "contact_modulus": 1e9})
+    line = answer_line(numbers, 0, glance_rows(numbers, indices=[0])[0])
+    assert line.count("hardness taken as exact") == 1
+    assert line.endswith("; hardness taken as exact.")
+
+
+def test_the_total_of_a_joint_comes_first_with_what_is_allowed():
+    joint = {"total_electrical_resistance": 5e-6, "resistance_holds": 1.0, "mean_pressure": 1e6}
+    joint |= {"total_electrical_resistance_lower": 4e-6, "total_electrical_resistance_upper": 6e-6}
+    joint |= {
+        "relative_contact_area": 0.2,
+        "max_pressure": 1e8,
+        "mean_gap": 1e-7,
+        "mean_contact_pressure": 5e6,
+    }
+    surface = {"allowed_resistance": 1e-3, "resistance_holds_from": 1e6, "contact_modulus": 1e11}
+    surface |= {"resistance_holds_from_lower": 0.0, "resistance_holds_from_upper": 1e6}
+    numbers = xr.Dataset({name: ("load", [value]) for name, value in joint.items()} | surface)
+    line = answer_line(numbers, 0, glance_rows(numbers, indices=[0])[0])
+    start = "Resistance 0.0050 ± 0.0010 mΩ of at most 1.00 mΩ: holds, at 1.00 MPa already. At 1.00 MPa: "
+    assert line.startswith(start)
+
+
+def test_the_conductance_of_a_joint_is_that_with_its_gas():
+    heat = {"thermal_conductance": 2.3e5, "joint_conductance": 2.6e5, "mean_pressure": 1e6}
+    heat |= {
+        "relative_contact_area": 0.2,
+        "max_pressure": 1e8,
+        "mean_gap": 1e-7,
+        "mean_contact_pressure": 5e6,
+    }
+    load = {name: ("load", [value]) for name, value in heat.items()}
+    (cells,) = glance_rows(xr.Dataset(load | {"contact_modulus": 1e11}), indices=[0])
+    cell = cells[1 + COLUMN_NAMES.index("conductance")]
+    assert cell.text == "260 kW/(m² K)"
+    assert cell.details.endswith("heat, with film and gas")

@@ -209,7 +209,7 @@ def test_numbers_of_the_page_are_those_of_the_file(page):
         assert row[2] == number(100 * float(area))
         assert row[4] == str(int(clusters))
     assert "remarks" in text
-    headings = re.findall(r"<p><b>p̄ = (.*?) of the pixels touch</b></p>", text)
+    headings = re.findall(r"<p><b>(.*?) of the pixels touch</b></p>", text)
     unit = 1e-6 * statistics["mean_pressure"].values, statistics["relative_contact_area_pixels"].values
     assert headings == [
         f"{number(float(load))} MPa: {percent(float(area))}" for load, area in zip(*unit, strict=True)
@@ -1544,14 +1544,14 @@ def test_the_slider_goes_through_all_loads_that_were_solved(tmp_path, keep_field
     for index, (label, captions, lines) in enumerate(report_of_page["loads"]):
         load = numbers.isel(load=index)
         words = label.replace("\N{NO-BREAK SPACE}", " ")
-        assert f"p̄ = {number(loads[index] / 1e6)} MPa ({index + 1} of 6)" in words
+        assert f"mean pressure {number(loads[index] / 1e6)} MPa ({index + 1} of 6)" in words
         assert f"contact area {percent(float(load['relative_contact_area']))}" in words
         assert f"largest pressure {number(float(load['max_pressure']) / 1e6)} MPa" in words
         assert ("not drawn" in words) == (index not in drawn)
         if keep_fields:
             nearest = min(drawn, key=lambda index_drawn: abs(np.log(loads[index_drawn] / loads[index])))
             assert [caption.partition(":")[0] for caption in captions] == [
-                f"p̄ = {number(loads[nearest] / 1e6)} MPa"
+                f"{number(loads[nearest] / 1e6)} MPa"
             ]
         # the line is where the chart has this load: its axis ends at 1.5 times the highest
         share = np.log(1.5 * loads[index] / loads[0]) / np.log(2.25 * loads[-1] / loads[0])

@@ -19,7 +19,7 @@ CLOSING, PLANNED = "contact area 10.0 % and the load at which the gap closes", "
     [
         (
             {"contact_modulus": 1e9, "relative_pressure": [0.01, 0.1]},
-            "contact modulus E* = 1.00 GPa; p̄/(E* g) 0.0100, 0.100",
+            "contact modulus E* = 1.00 GPa; relative pressure 0.0100, 0.100",
         ),
         (
             {"contact_modulus": 1e9, "hardness": 3e8, "target_area": 0.1, "target": ["percolation"]},
@@ -70,5 +70,6 @@ def test_settings_that_differ_from_their_defaults_follow_each_with_its_unit():
         "cut": ["window.shortest_wavelength: 2.50 µm", seal, "uncertainty.sources: []"],
     }
     words = dict(describe_problem(settings, changed))
-    assert words["plain"].endswith(f"hardness 100 MPa; loads planned for each map; {seal}")
+    of_seal = "seal: viscosity 0.00100 Pa s, pressure difference 100 kPa, width 2.00 mm"
+    assert words["plain"].endswith(f"hardness 100 MPa; loads planned for each map; {of_seal}")
     assert words["cut"].count("; ") == 4

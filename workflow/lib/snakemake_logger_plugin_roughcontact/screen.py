@@ -149,7 +149,11 @@ class Screen:
             return
         self.done += 1
         left = "" if self.bar else self.clock.words(now)
-        self._line(f"{result}: done{warned} ({self.done} of {self.results}{left})")
+        summaries = [path for path in fields["output"] or [] if path.endswith(".json")]
+        answer = _json(summaries[0]).get("answer") if summaries else None
+        self._line(
+            f"{result}: done{warned} ({self.done} of {self.results}{left}){f'. {answer}' if answer else ''}"
+        )
 
     def _job_failed(self, record: logging.LogRecord) -> None:
         """Show why a job has failed: what its record says, else how it was ended, which is added to it.
@@ -274,8 +278,13 @@ def _text(log: str | Path) -> str:
 
 def read_record(log: str | Path) -> dict[str, Any]:
     """Return the record that a job leaves beside its log, empty where there is none."""
+    return _json(_record_of(log))
+
+
+def _json(path: str | Path) -> dict[str, Any]:
+    """Return the object in a JSON file, empty where there is none."""
     with suppress(OSError, ValueError):
-        return dict(json.loads(_record_of(log).read_text(encoding="utf-8")))
+        return dict(json.loads(Path(path).read_text(encoding="utf-8")))
     return {}
 
 

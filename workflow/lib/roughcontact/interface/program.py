@@ -64,6 +64,7 @@ _LOADS_AND_FORM = {
     "force": "forces, N, on the area, or on a body of finite size",
     "area": "nominal area that carries the force, m2",
     "form-radius": "of a ball or an ellipsoid, m, on which the map is the roughness (boundary: free)",
+    "allowed-pressure": "largest pressure allowed, Pa: the results then say whether it holds",
 }
 _COLUMNS = {
     "group": "name of the finish that all files are maps of, for their numbers together",
@@ -261,12 +262,12 @@ def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
 
     add_body(parser)
     for option, text in _LOADS_AND_FORM.items():
-        parser.add_argument(f"--{option}", nargs="+", metavar="VALUE", help=text)
+        parser.add_argument(f"--{option}", nargs="+", action="extend", metavar="VALUE", help=text)
     for column, text in _COLUMNS.items():
         parser.add_argument(f"--{column}", metavar="TEXT", help=text)
     for name, holds in _DERIVED.items():
         text = f"{holds}: {keys_in_words(f'statistics.{name}')}".replace("%", "%%")
-        parser.add_argument(f"--{name}", nargs="+", metavar="KEY=VALUE", help=text)
+        parser.add_argument(f"--{name}", nargs="+", action="extend", metavar="KEY=VALUE", help=text)
 
 
 def _add_overview(parser: argparse.ArgumentParser) -> None:
@@ -427,6 +428,8 @@ def _init(options: argparse.Namespace) -> int:
     sections["statistics"] = {
         name: keyed(f"--{name}", words) for name in _DERIVED if (words := getattr(options, name)) is not None
     }
+    if options.allowed_pressure:
+        sections["statistics"]["allowed_pressure"] = options.allowed_pressure[0]
     try:
         settings, table = write_project(files, sections=sections, columns=columns)
     except SettingsError as error:

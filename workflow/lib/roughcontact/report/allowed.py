@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from roughcontact.arguments.answers import ALLOWED_VALUES
+from roughcontact.arguments.answers import ALLOWED_VALUES, TOTALS
 from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.variables import Numbers
-from roughcontact.report.units import unit_of
+from roughcontact.report.units import number_text, unit_of
 from roughcontact.statistics.kinds import load_in_words
 
 HOLDS, FAILS, NOT_DECIDED = "holds", "does not hold", "not decided"
@@ -33,9 +33,30 @@ def allowed_in_words(numbers: Numbers, name: str, index: int) -> str:
     allowed, holds = ALLOWED_VALUES[name], float(numbers[f"{name}_holds"][index])
     limit = float(numbers[f"allowed_{name}"])
     text = quantity(limit, "Pa") if allowed.unit == "Pa" else unit_of(numbers, allowed.unit).text(limit)
+    subject = " ".join(filter(None, [allowed.words, _total_in_words(numbers, name, index)]))
     word, link = {1.0: (HOLDS, ""), 0.0: (FAILS, "would ")}.get(holds, (NOT_DECIDED, "would be "))
-    sentence = f"{allowed.words} of at {allowed.bound} {text}: {word}, {link}{_load_in_words(numbers, name)}"
+    sentence = f"{subject} of at {allowed.bound} {text}: {word}, {link}{_load_in_words(numbers, name)}"
     return f"{sentence}{_roughness_in_words(numbers, name, index)}"
+
+
+def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
+    """Return what a seal or a joint has in all of what is allowed, with its interval; empty for none.
+
+    Examples
+    --------
+    >>> ends = {"temperature_drop_lower": [0.8], "temperature_drop_upper": [1.2]}
+    >>> _total_in_words({"temperature_drop": [1.0]} | ends, "temperature_drop", 0)
+    '1.00 ± 0.20 K'
+    """
+    totals = {
+        float(numbers[total][index]): total
+        for total in ALLOWED_VALUES[name].numbers
+        if total in TOTALS and total in numbers
+    }
+    if not totals or not max(totals) > 0:
+        return ""
+    unit = unit_of(numbers, ALLOWED_VALUES[name].unit)
+    return f"{number_text(numbers, totals[max(totals)], unit, index)} {unit.symbol}"
 
 
 def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:

@@ -25,9 +25,16 @@ def describe_problem(
     [('', 'steel (210 GPa, ν 0.30, hardness 2.00 GPa) on a rigid body; contact area 10.0 %')]
     """
     return [
-        (name, "; ".join([bodies_in_words(contact), _loads(contact), *(changes or {}).get(name, ())]))
+        (name, "; ".join([bodies_in_words(contact), _loads(contact), *_plain((changes or {}).get(name, ()))]))
         for name, contact in contacts(settings)
     ]
+
+
+def _plain(changes: Sequence[str]) -> Iterator[str]:
+    """Yield settings in the words of their keys: "seal: pressure difference 500 kPa"."""
+    for change in changes:
+        section, _, text = change.partition(".")
+        yield (text if section in ("contact", "statistics") else change).replace("_", " ")
 
 
 def same_loads(settings: Mapping[str, Any]) -> bool:
@@ -112,7 +119,7 @@ def _stated_loads(contact: Mapping[str, Any]) -> Iterator[str]:
         yield f"force {forces} on a body of finite size"
     for key, text, show in (
         ("mean_pressure", "mean pressure", lambda value: quantity(value, "Pa")),
-        ("relative_pressure", "p̄/(E* g)", number),
+        ("relative_pressure", "relative pressure", number),
         ("target_area", "contact area", percent),
         ("target_gap", "mean gap", lambda value: quantity(value, "m")),
     ):

@@ -1,5 +1,6 @@
 """The table at a glance: the main answers for each surface at two or three loads, with their intervals."""
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
@@ -121,20 +122,24 @@ def asked_columns(results: Sequence[xr.Dataset]) -> list[int]:
 def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell]) -> str:
     """Return what a surface is asked for at a load, whose cells of `glance_rows` these are, in one line.
 
-    With it comes whether what is allowed holds.
+    Whether what is allowed holds comes first.
     """
-    words = []
-    for place in asked_columns([numbers])[1:]:
+    words, places = [], asked_columns([numbers])[1:]
+    remarks = Counter(cells[place].precision.partition(", ")[2] for place in places)
+    repeated = [remark for remark, count in remarks.items() if remark and count > 1]
+    for place in places:
         name, cell = COLUMN_NAMES[place - 1], cells[place]
         subject = (
             ""
             if HEADINGS[place] in IN_WORDS
             else f"{ANSWERS[name].words if name in ANSWERS else HEADINGS[place]} "
         )
-        words.append(f"{subject}{cell.text}{f' ({cell.precision})' if cell.precision else ''}")
+        start, _, remark = cell.precision.partition(", ")
+        precision = start if remark in repeated else cell.precision
+        words.append(f"{subject}{cell.text}{f' ({precision})' if precision else ''}")
     allowed = [allowed_in_words(numbers, name, index) for name in stated_allowed(numbers)]
-    line = f"At {cells[0].details or cells[0].text}: {', '.join(words)}"
-    return ". ".join([line, *(f"{text[0].upper()}{text[1:]}" for text in allowed)]) + "."
+    line = "; ".join([f"at {cells[0].details or cells[0].text}: {', '.join(words)}", *repeated])
+    return " ".join(f"{text[0].upper()}{text[1:]}." for text in [*allowed, line])
 
 
 def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[int]:
@@ -305,8 +310,9 @@ def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
 
 
 def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
-    """Return the conductance of heat or of current, or that by conductivity."""
+    """Return the conductance of the joint, of heat or of current, or that by conductivity."""
     for name, sentence, assumption in (
+        ("joint_conductance", "heat, with film and gas", "conductivity"),
         ("thermal_conductance", "heat", "conductivity"),
         ("electrical_conductance", "current", "resistivity"),
         ("conductance_per_conductivity", "by conductivity", ""),

@@ -27,7 +27,7 @@ from roughcontact.surface.roughness.summits import summit_statistics
 
 _DASHES = ("", DASHED, DOTTED, DASH_DOTTED)  # of cases
 _SHOWN_BELOW = 0.1  # of the least area: an interval that ends below is drawn as far as the axis reaches
-_RELATIVE = "relative pressure p′ = p̄ / (E* g)"
+_RELATIVE = "mean pressure / (contact modulus × rms gradient)"
 _WIDE: dict[str, Any] = {"size": (560.0, 430.0), "letters": 13.0}  # a chart of several surfaces
 # of a distribution: unit, quantity, share, and what is dotted
 _DISTRIBUTIONS = {
@@ -301,7 +301,7 @@ def _distribution(statistics: xr.Dataset, loads: Sequence[int], name: str, line_
     for index, load in enumerate(loads):
         edges = np.repeat(np.append(bounds[1:, 0], bounds[-1, 1]) * factor, 2)
         steps = np.concatenate([[0.0], np.repeat(shares[load, 1:] / widths, 2), [0.0]])
-        label = f"p̄ = {unit_of(statistics, 'Pa').text(float(statistics['mean_pressure'][load]))}"
+        label = unit_of(statistics, "Pa").text(float(statistics["mean_pressure"][load]))
         chart.line(edges, steps, colour=COLOURS[index], label=label)
         text = dotted_label if load == loads[-1] else ""
         chart.across(x=float(line_values[load]) * factor, colour=COLOURS[index], dash=DOTTED, label=text)

@@ -117,6 +117,7 @@ def write_report(
     cases = [*(case for _, case in series), *(failure["case"] for failure in failures)]
     head: dict[str, Any] = {"title": title, "version": __version__, "words": VERDICTS}
     head |= {"asked": [HEADINGS[place] for place in asked], "further": [HEADINGS[place] for place in further]}
+    head |= {"single": len(rows) == 1}
     head |= {"open_below": OPEN_BELOW, "open_parts": OPEN_PARTS}
     head |= {"in_words": IN_WORDS, "asked_of_run": describe_problem(settings, changed)}
     equal = same_loads(settings)

@@ -16,7 +16,7 @@ from roughcontact.report import captions, facts, load_plots, map_plots, tables, 
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.files import relative_links
-from roughcontact.report.glance import HEADINGS, glance_rows, outcome_of, usable_loads
+from roughcontact.report.glance import HEADINGS, answer_line, glance_rows, outcome_of, usable_loads
 from roughcontact.report.methods import methods_paragraph
 from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
@@ -125,11 +125,13 @@ def write_panel(
             "identifier": identifier,
             "name": name,
             "surface": surface,
+            "answer": answer_line(numbers, indices[-1], glance_rows(numbers, indices=indices[-1:])[0]),
             "verdict": verdict,
             "reasons": [reason_text(check) for check in doubts],
             "doubts": [str(check.name) for check in doubts],
             "main_reason": reason_text(doubts[0], letters=_LINE) if doubts else "",
             "halve": str(numbers.attrs.get("halve", "")),
+            "places": str(numbers.attrs.get("places", "")),
             "overview": str(numbers.attrs.get("overview", "")),
             "loads": indices,
             "measured": date,
@@ -211,7 +213,7 @@ def _fields(
             gap_chart = map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap)
             mean = of_pressure.text(float(contact["mean_pressure"][load]))
             outline = "; red: the contact of the smooth bodies (Hertz)" if hertz else ""
-            caption = f"p̄ = {mean}: {area} of the pixels touch{outline}"
+            caption = f"{mean}: {area} of the pixels touch{outline}"
             fields.append((caption, chart.source(), gap_chart.source()))
             del pressure, gap  # before the next ones are read
     return fields
@@ -234,7 +236,7 @@ def each_load(numbers: xr.Dataset, with_maps: Sequence[int]) -> list[tuple[str, 
         if index not in with_maps:
             remark = "; below those of the nearest load" if with_maps else ""
             text.append(f"maps of this load are not drawn{remark}")
-        name = f"p̄ = {pressure.text(float(loads[index]))} ({index + 1} of {loads.size})"
+        name = f"mean pressure {pressure.text(float(loads[index]))} ({index + 1} of {loads.size})"
         result.append((name, "; ".join(text), nearest, float(f"{loads[index] * pressure.factor:.6g}")))
     return result
 

@@ -147,7 +147,7 @@ def maps(
     >>> from roughcontact.surface.synthetic import rough_reference_surface
     >>> contact = rc.solve_contact(rough_reference_surface(64), contact_modulus=1e9, mean_pressure=1e7)
     >>> rc.plot.maps(contact, quantity="gap").get_title()
-    'p̄ = 10.0 MPa: 5.74 % of the pixels touch'
+    '10.0 MPa: 5.74 % of the pixels touch'
     """
     check_choice("quantity", quantity, Map)
     check_solution(dataset, of_loads=False)
@@ -165,7 +165,7 @@ def maps(
     else:
         chart = map_plots.gap_map(height, gap, pressures, unit=of_heights)
     touching = percent(np.count_nonzero(pressures > 0) / pressures.size)
-    chart.title = f"p̄ = {of_pressure.text(float(chosen['mean_pressure']))}: {touching} of the pixels touch"
+    chart.title = f"{of_pressure.text(float(chosen['mean_pressure']))}: {touching} of the pixels touch"
     return _drawn(chart, ax)
 
 

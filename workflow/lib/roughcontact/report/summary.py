@@ -14,11 +14,13 @@ class Summary(TypedDict):
     identifier: str  # of the section of the panel, for links
     name: str  # of the surface, with that of the case
     surface: str
+    answer: str  # what is asked for, in one line
     verdict: str  # a key of `outcome.VERDICTS`
     reasons: list[str]  # of each check that did not pass, the most important first
     doubts: list[str]  # the names of these checks
     main_reason: str  # the first reason, in one line of the table
     halve: str  # what would halve the ± of the contact area; empty where there is none
+    places: str  # how many make the contact area known to ± 10 %; empty where it is
     overview: str  # how well gap and area are known with and without the overview; empty without one
     loads: list[int]  # indices of those shown in tables, loads rising
     measured: str  # date of the measurement, ISO 8601; empty where the file states none

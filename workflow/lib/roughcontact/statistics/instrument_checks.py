@@ -51,7 +51,7 @@ _PROBE_PIXEL = 1e-7  # a smaller pixel is that of a probe microscope, whatever t
 _CAMERA = (1e-6, 6e-5)  # pitch of camera pixels, binned ones included
 
 _UNFILTERED = "export it unfiltered"
-_RESOLVED = "state instrument.resolution or instrument.numerical_aperture"
+_RESOLVED = "state the lens (instrument.numerical_aperture) or the resolution (instrument.resolution)"
 _SMOOTHED_MEANS = (
     "Contact areas are then too large, pressures and gaps too small, but not those of longer waves alone "
     "(level.s_filter, coarser pixels)"
@@ -113,7 +113,7 @@ def _shape_of_spectrum(window: Attributes) -> _Trace | None:
             "The shortest waves are too low: in its last octave the spectrum falls more steeply than in the "
             f"one before, its exponent by {number(-window['spectrum_bend'], digits=2)} or more. A lens that "
             "resolves little more than the pixels does this",
-            ("state the lens (instrument.numerical_aperture or instrument.resolution)",),
+            (_RESOLVED,),
         )
     return None
 

@@ -124,7 +124,7 @@ def group(result: Mapping[str, Any], answer: xr.Dataset | None) -> str:
         lines += [labelled_line("remark", text) for text in result["group"]["remarks"]]
     for entry in result["maps"]:
         areas = ", ".join(percent(load[AREA]) for load in entry["loads"])
-        lines += ["", str(entry["file"]), *_lines([("A/A₀", areas), ("verdict", _verdict(entry))])]
+        lines += ["", str(entry["file"]), *_lines([("contact area", areas), ("verdict", _verdict(entry))])]
     return "\n".join(lines)
 
 
