@@ -281,11 +281,13 @@ def test_the_summary_of_a_panel_lies_beside_it(page, tmp_path):
         "identifier": "one",
         "name": "one</script><p class='summary'>& \"two\"",
         "surface": "one",
+        "answer": "At 1.00 MPa: contact area 2.00 %.",
         "verdict": "review",
         "reasons": ["Form: <b> & ±"],
         "doubts": ["Form"],
         "main_reason": "Form: <b> & ±",
         "halve": "measure 3 more places of this size",
+        "places": "5 places of this size in all",
         "overview": "",
         "loads": [0, 2],
         "measured": "2011-07-23",
@@ -1544,7 +1546,7 @@ def test_the_slider_goes_through_all_loads_that_were_solved(tmp_path, keep_field
     for index, (label, captions, lines) in enumerate(report_of_page["loads"]):
         load = numbers.isel(load=index)
         words = label.replace("\N{NO-BREAK SPACE}", " ")
-        assert f"mean pressure {number(loads[index] / 1e6)} MPa ({index + 1} of 6)" in words
+        assert f"{number(loads[index] / 1e6)} MPa ({index + 1} of 6)" in words
         assert f"contact area {percent(float(load['relative_contact_area']))}" in words
         assert f"largest pressure {number(float(load['max_pressure']) / 1e6)} MPa" in words
         assert ("not drawn" in words) == (index not in drawn)

@@ -66,6 +66,22 @@ def test_init_takes_forces_a_form_a_group_and_looks_into_the_files(folder, capsy
     assert table[-2:] == ["surface\tpath\tgroup\tlay", "a\ta.npy\tballs\tnone"]
 
 
+def test_what_is_given_again_adds_to_what_was_given(folder):
+    """Each of several loads, and each key of a seal, may have an option of its own, as each body has."""
+    np.save("a.npy", np.ones((4, 4)))
+    loads = ("--mean-pressure", "1MPa", "--mean-pressure", "2MPa", "--allowed-pressure", "0.2GPa")
+    seal = [
+        part
+        for text in ("viscosity=1 mPa s", "pressure_difference=5bar", "width=3mm")
+        for part in ("--seal", text)
+    ]
+    assert main(["init", "a.npy", *BODIES, *loads, *seal]) == 0
+    (settings,) = resolve(yaml.safe_load(Path("config/config.yaml").read_text(encoding="utf-8"))).values()
+    assert settings["contact"]["mean_pressure"] == [1e6, 2e6]
+    assert settings["statistics"]["seal"]["pressure_difference"] == 5e5
+    assert settings["statistics"]["allowed_pressure"] == 2e8
+
+
 def test_init_takes_resistivity_layers_and_a_film(folder):
     (folder / "pad.npy").write_text("1 2")
     joint = ("gas_conductivity=0.026", "temperature_jump=0.37um", "film_thickness=5nm", "film_conductivity=2")
@@ -299,10 +315,14 @@ def test_results_of_another_folder_are_known_by_what_the_last_run_has_left(folde
     assert records.replaced_files() == []
 
 
-def test_a_dry_run_lists_the_jobs_with_their_files(folder, capfd):
+def test_a_dry_run_has_a_line_for_each_surface_or_lists_the_jobs_with_their_files(folder, capfd):
     np.save(folder / "a.npy", np.ones((4, 4)))
     assert main(["init", "a.npy", *BODIES]) == 0
+    capfd.readouterr()
     assert main(["run", "-n"]) == 0
+    lines = "".join(capfd.readouterr()).splitlines()
+    assert lines == ["1 result, 5 jobs", "a: prepare, contact, draw", "This is a plan: nothing was done."]
+    assert main(["run", "-n", "-p"]) == 0
     listed = "".join(capfd.readouterr())
     jobs = re.findall(r"^rule (\w+):\n    input: (.*)\n    output: (.*)$", listed, re.MULTILINE)
     files = {rule: (inputs.split(", "), outputs.split(", ")) for rule, inputs, outputs in jobs}

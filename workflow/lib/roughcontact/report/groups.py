@@ -8,7 +8,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import ANSWERS, AREA, COMPARED, PEAK, TITLES
 from roughcontact.arguments.measurement import json_attribute
-from roughcontact.arguments.quantities import Unit, counted_noun, percent, with_interval
+from roughcontact.arguments.quantities import Unit, counted_noun, percent, quantity, with_interval
 from roughcontact.report.glance import Cell, glance_units, interval_cell, shown_loads
 from roughcontact.report.load_plots import group_areas
 from roughcontact.report.units import hardness_reached, unit_of
@@ -21,6 +21,7 @@ _FURTHER = {
     answer.quantity: answer.heading for name, answer in ANSWERS.items() if answer.quantity and name != AREA
 }
 HEADINGS = (TITLES["mean_pressure"], TITLES[AREA], "of the next map", "scatter s", *_FURTHER.values())
+_IN_LINE = 3  # comparisons
 _FINEST = 1e-3  # of a ratio: half-width of which two digits are shown
 
 Row = dict[str, Any]
@@ -160,6 +161,28 @@ def _scatter(load: xr.Dataset) -> Cell:
     if len(available) == 1:
         return Cell(percent(*available.values()))
     return Cell(", ".join(f"{text} {percent(value)}" for text, value in available.items()) or "–")
+
+
+def differences_in_words(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> str:
+    """Return what comes of the contact area in up to three comparisons, in one line; empty for more.
+
+    Examples
+    --------
+    >>> labels = {"quantity": [AREA], "mean_pressure": ("load", [1e6, 2e6])}
+    >>> outcome = ("quantity", "load"), [["differ", "inconclusive: no interval"]]
+    >>> differences_in_words({("A", "B"): xr.Dataset({"outcome": outcome}, labels)})
+    'Contact area of B against A: differ at 1.00 MPa, inconclusive: no interval at 2.00 MPa.'
+    """
+    sentences = []
+    for (first, second), table in comparisons.items() if len(comparisons) <= _IN_LINE else ():
+        if AREA not in table["quantity"]:
+            continue
+        of_area = table["outcome"].sel(quantity=AREA).values.tolist()
+        loads = [quantity(load, "Pa") for load in table["mean_pressure"].values.tolist()]
+        at_loads = [f"{outcome} at {load}" for outcome, load in zip(of_area, loads, strict=True)]
+        outcome = ", ".join(at_loads if len({*of_area}) > 1 else of_area[:1])
+        sentences.append(f"{second} against {first}: {outcome}")
+    return f"Contact area of {'; '.join(sentences)}." if sentences else ""
 
 
 def _comparison(part: xr.Dataset, name: str, is_limited_at: Sequence[bool]) -> Row:

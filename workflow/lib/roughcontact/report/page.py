@@ -28,7 +28,7 @@ from roughcontact.report.glance import (
     loads_to_compare,
 )
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
-from roughcontact.report.groups import comparison_rows, group_picture, group_rows
+from roughcontact.report.groups import comparison_rows, differences_in_words, group_picture, group_rows
 from roughcontact.report.load_plots import compare_areas, line_sample, spread_of_areas
 from roughcontact.report.sliding import sliding_section
 from roughcontact.report.summary import read_summary
@@ -118,6 +118,7 @@ def write_report(
     head: dict[str, Any] = {"title": title, "version": __version__, "words": VERDICTS}
     head |= {"asked": [HEADINGS[place] for place in asked], "further": [HEADINGS[place] for place in further]}
     head |= {"single": len(rows) == 1}
+    head["answer"] = rows[0]["answer"] if len(rows) == 1 else differences_in_words(compared or {})
     head |= {"open_below": OPEN_BELOW, "open_parts": OPEN_PARTS}
     head |= {"in_words": IN_WORDS, "asked_of_run": describe_problem(settings, changed)}
     equal = same_loads(settings)

@@ -236,7 +236,7 @@ def each_load(numbers: xr.Dataset, with_maps: Sequence[int]) -> list[tuple[str, 
         if index not in with_maps:
             remark = "; below those of the nearest load" if with_maps else ""
             text.append(f"maps of this load are not drawn{remark}")
-        name = f"mean pressure {pressure.text(float(loads[index]))} ({index + 1} of {loads.size})"
+        name = f"{pressure.text(float(loads[index]))} ({index + 1} of {loads.size})"
         result.append((name, "; ".join(text), nearest, float(f"{loads[index] * pressure.factor:.6g}")))
     return result
 

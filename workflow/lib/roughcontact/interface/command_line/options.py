@@ -41,7 +41,7 @@ def add_settings(parser: ArgumentParser) -> None:
         if default_value is not None:
             default_text = " ".join(default_value) if isinstance(default_value, list) else str(default_value)
             text += f" (default: {default_text.lower() if isinstance(default_value, bool) else default_text})"
-        several: dict[str, str] = {"nargs": "*", "action": "extend"} if is_list(field.annotation) else {}
+        several: dict[str, Any] = {"nargs": "*", "action": "extend"} if is_list(field.annotation) else {}
         together.get(key, groups[section]).add_argument(
             option, dest=f"{section}.{key}", metavar="VALUE", help=text.replace("%", "%%"), **several
         )
