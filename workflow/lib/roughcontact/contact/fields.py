@@ -38,7 +38,7 @@ def solved_fields(
         problem = nondimensionalise(xr.zeros_like(window), threads=threads)
     kind = facts_of(contact)
     rising = [pressure * kind.load_over_pressure(contact.get("area", 1.0)) for pressure in rising]
-    solutions = METHODS[kind.boundary].solutions(
+    solutions = METHODS[kind.name].solutions(
         problem, rising, material, window=window, precision=precision, **options
     )
     with contextlib.suppress(HeightMapError):  # and larger loads leave it, too

@@ -17,7 +17,7 @@ from roughcontact.arguments.choices import (
     Precision,
     ZeroFrequency,
 )
-from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.kinds import FINITE_BODY, PERIODIC_MAP, facts_of
 from roughcontact.arguments.maps import dimensions
 from roughcontact.arguments.materials import contact_modulus as modulus_of
 from roughcontact.arguments.measurement import json_attributes
@@ -211,7 +211,7 @@ def solve_contact(
     working = DOUBLE if precision == "double" else SINGLE
     problem = nondimensionalise(window, precision=working, arrays=arrays, threads=threads)
     window = copy_to_host(window)
-    method = METHODS[boundary]
+    method = METHODS[kind.name]
     method.check(problem, rising, material, window, zero_frequency)
     solutions = method.solutions(
         problem,
@@ -350,15 +350,15 @@ def _check_finite_body(*_: Any) -> None:
 
 
 class Method(NamedTuple):
-    """How the problems of one `boundary` are solved, load by load."""
+    """How the problems of a kind are solved, load by load."""
 
     check: Callable[..., None]
     solutions: Callable[..., Iterator[tuple[FieldsInUnits, Any, float]]]
 
 
 METHODS: dict[str, Method] = {
-    "periodic": Method(_check_periodic, periodic_solutions),
-    "free": Method(_check_finite_body, free_solutions),
+    PERIODIC_MAP.name: Method(_check_periodic, periodic_solutions),
+    FINITE_BODY.name: Method(_check_finite_body, free_solutions),
 }
 
 

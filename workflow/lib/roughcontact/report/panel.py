@@ -23,7 +23,7 @@ from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks
-from roughcontact.statistics.finite_body import hertz_contact
+from roughcontact.statistics.kinds import smooth_contact
 from roughcontact.statistics.outcome import (
     VERDICTS,
     concerns,
@@ -208,11 +208,13 @@ def _fields(
         for load in loads:
             pressure, gap = maps(load)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
-            hertz = hertz_contact(window, numbers, load)
-            chart = map_plots.pressure_map(window, pressure, highest=highest, unit=of_pressure, ellipse=hertz)
+            smooth = smooth_contact(window, numbers, load)
+            chart = map_plots.pressure_map(
+                window, pressure, highest=highest, unit=of_pressure, ellipse=smooth
+            )
             gap_chart = map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap)
             mean = of_pressure.text(float(contact["mean_pressure"][load]))
-            outline = "; red: the contact of the smooth bodies (Hertz)" if hertz else ""
+            outline = "; red: the contact of the smooth bodies (Hertz)" if smooth else ""
             caption = f"{mean}: {area} of the pixels touch{outline}"
             fields.append((caption, chart.source(), gap_chart.source()))
             del pressure, gap  # before the next ones are read

@@ -9,7 +9,7 @@ import xarray as xr
 from roughcontact.arguments.kinds import FINITE_BODY, KIND_FACTS, PERIODIC_MAP, KindFacts, facts_of
 from roughcontact.arguments.quantities import pressure_unit, quantity
 from roughcontact.arguments.variables import Numbers
-from roughcontact.statistics.finite_body import finite_body_columns
+from roughcontact.statistics.finite_body import finite_body_columns, hertz_contact
 from roughcontact.statistics.outcome import CheckName
 
 # checks of what a body whose form and edges are meant does not have
@@ -21,6 +21,10 @@ OMITTED_CHECKS: Mapping[str, set[CheckName]] = {
 }
 # (columns, contact, load) -> the numbers of that load which differ, or are added
 _NUMBERS: Mapping[str, Callable[..., dict[str, Any]]] = {FINITE_BODY.name: finite_body_columns}
+
+
+# (window, numbers, load) -> the ellipse in which smooth bodies of this kind would touch
+_SMOOTH: Mapping[str, Callable[..., dict[str, float]]] = {FINITE_BODY.name: hertz_contact}
 
 
 def facts_of_numbers(numbers: Numbers) -> KindFacts:
@@ -58,6 +62,12 @@ def load_in_words(pressure: float, numbers: Numbers) -> tuple[str, str]:
     load = pressure * np.asarray(numbers[kind.load]).flat[0].item() / mean
     unit = pressure_unit(float(numbers["contact_modulus"]))
     return kind.load_in_words, unit.text(load) if kind.load_unit == "Pa" else quantity(load, kind.load_unit)
+
+
+def smooth_contact(window: xr.DataArray, numbers: xr.Dataset, load: int) -> dict[str, float]:
+    """Return the ellipse in which the bodies would touch without their roughness: mostly nothing."""
+    name = facts_of(window.attrs).name
+    return _SMOOTH[name](window, numbers, load) if name in _SMOOTH else {}
 
 
 def numbers_of_kind(columns: Mapping[str, Any], contact: xr.Dataset, load: int) -> dict[str, Any]:
