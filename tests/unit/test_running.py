@@ -69,7 +69,7 @@ def test_init_takes_forces_a_form_a_group_and_looks_into_the_files(folder, capsy
 def test_what_is_given_again_adds_to_what_was_given(folder):
     """Each of several loads, and each key of a seal, may have an option of its own, as each body has."""
     np.save("a.npy", np.ones((4, 4)))
-    loads = ("--mean-pressure", "1MPa", "--mean-pressure", "2MPa", "--allowed-pressure", "0.2GPa")
+    loads = ("--mean-pressure", "1MPa", "--mean-pressure", "2MPa", "--allowed-pressure", "0.2GPa", "--unload")
     seal = [
         part
         for text in ("viscosity=1 mPa s", "pressure_difference=5bar", "width=3mm")
@@ -80,6 +80,7 @@ def test_what_is_given_again_adds_to_what_was_given(folder):
     assert settings["contact"]["mean_pressure"] == [1e6, 2e6]
     assert settings["statistics"]["seal"]["pressure_difference"] == 5e5
     assert settings["statistics"]["allowed_pressure"] == 2e8
+    assert settings["contact"]["unload"] is not None
 
 
 def test_init_takes_resistivity_layers_and_a_film(folder):

@@ -263,6 +263,8 @@ def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
     add_body(parser)
     for option, text in _LOADS_AND_FORM.items():
         parser.add_argument(f"--{option}", nargs="+", action="extend", metavar="VALUE", help=text)
+    text = "solve also the removal of the heaviest load: the shape that is left"
+    parser.add_argument("--unload", action="store_true", help=text)
     for column, text in _COLUMNS.items():
         parser.add_argument(f"--{column}", metavar="TEXT", help=text)
     for name, holds in _DERIVED.items():
@@ -422,6 +424,7 @@ def _init(options: argparse.Namespace) -> int:
     contact: dict[str, Any] = {"bodies": parse_bodies(options.body)} if options.body else {}
     contact |= {name: value for name in ("mean_pressure", "force") if (value := getattr(options, name))}
     contact |= {"area": options.area[0]} if options.area else {}
+    contact |= {"unload": True} if options.unload else {}
     columns = {name: value for name in _COLUMNS if (value := getattr(options, name))}
     sections = sections_on_form(options.form_radius)
     sections["contact"] = contact | sections.get("contact", {})
