@@ -330,7 +330,7 @@ def _reason(
     if [ny, nx] == used:
         text = f"The whole map of {nx} × {ny} points is used"
     else:
-        why = "sides that transform and halve well"
+        why = "sides that suit the solver"
         if cut.shortened:
             why = "a whole number of periods of its texture"
         elif missing:
