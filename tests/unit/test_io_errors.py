@@ -12,9 +12,9 @@ import pytest
 
 import roughcontact
 from roughcontact.errors import InputFileError
+from roughcontact.interface.command_line.folders import list_measurements
 from roughcontact.interface.program import main
 from roughcontact.io.channels import Channel, MeasuredFile
-from roughcontact.io.folder import list_measurements
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
 from roughcontact.io.registry import readers

@@ -330,7 +330,7 @@ def _read_arguments(options: argparse.Namespace) -> dict[str, Any]:
 def _inspect(options: argparse.Namespace) -> int:
     """Print the contents of each file, of those in a folder a line; what cannot be read is reported."""
     from roughcontact.interface.command_line.describe import as_json, inspection, overview
-    from roughcontact.io.folder import is_folder, list_measurements
+    from roughcontact.interface.command_line.folders import is_folder, list_measurements
     from roughcontact.io.inspection import inspect_file
 
     contents_of_files: list[dict[str, Any]] = []

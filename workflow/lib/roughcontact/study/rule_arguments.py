@@ -10,10 +10,10 @@ from typing import Any
 from roughcontact.arguments.bodies import relaxation_table
 from roughcontact.arguments.lays import lay_facts
 from roughcontact.io.checksums import checksum
-from roughcontact.io.size import estimate_points
 from roughcontact.study.dependencies import source_digest
 from roughcontact.study.places import PARTIAL
 from roughcontact.study.plan import STAGES, Plan, Rule, split
+from roughcontact.study.points import estimate_points
 from roughcontact.study.readers import reader_digest
 
 InputFunction = Callable[[Any], list[str] | str]  # of the wildcards

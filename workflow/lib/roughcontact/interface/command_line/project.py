@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.errors import SettingsError
-from roughcontact.io.folder import is_folder, list_measurements
+from roughcontact.interface.command_line.folders import is_folder, list_measurements
 
 _MAX_STEM_LENGTH = 56  # letters of a name made of that of a file; a number may follow
 _FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")

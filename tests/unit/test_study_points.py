@@ -10,7 +10,7 @@ from shared_data import DATA
 from roughcontact.errors import RoughContactError
 from roughcontact.io.guards import MAX_POINTS
 from roughcontact.io.registry import open_file
-from roughcontact.io.size import estimate_points
+from roughcontact.study.points import estimate_points
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"
 HEIGHTS = np.random.default_rng(1).normal(size=(400, 300))
