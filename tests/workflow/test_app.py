@@ -820,6 +820,14 @@ class TestFilesOfOthers:
         answer = page_text + page.after("check", QueryParams(urllib.parse.urlencode(form_fields(page_text))))
         assert re.search("unknown, valid are|occurs twice", answer)
 
+    def test_a_file_is_opened_once(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        maps(tmp_path / "measured", 8)
+        paths, recognised = [], registry.recognised
+        monkeypatch.setattr(registry, "recognised", lambda path: paths.append(path) or recognised(path))
+        assert measurements.inspect({"path": "measured/one.x3p"})["picture"].startswith(b"\x89PNG")
+        assert len(paths) == 1
+
     def test_readers_and_figures_that_raise_anything(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         maps(tmp_path / "measured", 8)

@@ -82,46 +82,47 @@ def inspect_file(
     request = Request(
         channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, ignore_lines, lay
     )
+    return inspect_heights(path, request)[0]
+
+
+def inspect_heights(path: Path, request: Request) -> tuple[dict, np.ndarray | None]:
+    """Return the content of a file, and the heights (ny, nx; m) of `read_height_map`, None where it fails."""
     with naming(path), closing(open_file(path)) as file:
-        return _content(path, request, file)
+        content = {
+            "file": path.name,
+            "bytes": path.stat().st_size,
+            "sha256": sha256(path),
+            "format": file.format,
+            "first_row": file.first_row,
+            "first_row_assumed": file.first_row_assumed,
+            "instrument": file.instrument,
+        }
+        map_content, heights = _map(path, request, file)
+        channels = list(_descriptions(file.channels, path, chosen=map_content["channel"]))
+    return content | map_content | {"channels": channels}, heights
 
 
-def _content(path: Path, request: Request, file: MeasuredFile) -> dict:
-    """Return the content of an open file."""
-    problem, warnings, name, choice, map_properties = None, list(file.warnings), None, None, None
-    needed: tuple[str, ...] = ()
-    rows, is_assumption = file.first_row, file.first_row_assumed
-    sources: dict = {}
+def _map(path: Path, request: Request, file: MeasuredFile) -> tuple[dict, np.ndarray | None]:
+    """Return what is known of the map that an open file would give, and its heights."""
+    content = dict.fromkeys(("channel", "channel_choice", "channels", "map", "problem"))
+    content |= {"needed": [], "warnings": list(file.warnings), "sources": {}}
     try:
         with naming(path):
             result = convert(file, request)
     except (InputFileError, HeightMapError) as error:
-        problem, needed = str(error), error.keys
-        if request.channel is None:
-            name = next((channel.name for channel in file.channels if not channel.no_height), None)
-    else:
-        name, choice, map_properties = result.channel.name, result.choice, _measured(result)
-        doubts = suspicions(result.heights, result.dx, result.dy, kind=file.kind)
-        warnings = [*result.notes, *map(str, doubts)]
-        rows, is_assumption = result.first_row, result.first_row_assumed
-        sources = result.sources
-    return {
-        "file": path.name,
-        "bytes": path.stat().st_size,
-        "sha256": sha256(path),
-        "format": file.format,
-        "first_row": rows,
-        "first_row_assumed": is_assumption,
-        "instrument": file.instrument,
-        "channel": name,
-        "channel_choice": choice,
-        "channels": list(_descriptions(file.channels, path, chosen=name)),
-        "map": map_properties,
-        "problem": problem,
-        "needed": list(needed),
-        "warnings": warnings,
-        "sources": sources,
-    }
+        first = next((channel.name for channel in file.channels if not channel.no_height), None)
+        name = first if request.channel is None else None
+        return content | {"channel": name, "problem": str(error), "needed": list(error.keys)}, None
+    doubts = suspicions(result.heights, result.dx, result.dy, kind=file.kind)
+    return content | {
+        "channel": result.channel.name,
+        "channel_choice": result.choice,
+        "map": _measured(result),
+        "warnings": [*result.notes, *map(str, doubts)],
+        "sources": result.sources,
+        "first_row": result.first_row,
+        "first_row_assumed": result.first_row_assumed,
+    }, result.heights
 
 
 def _measured(result: Converted) -> dict:

@@ -24,9 +24,9 @@ from roughcontact.interface.app.study import Row, check_within_study, error_in_w
 from roughcontact.interface.command_line.describe import field_in_words, inspection, points_in_words
 from roughcontact.interface.command_line.project import collect_files, rows_of
 from roughcontact.io.guards import naming, sha256
-from roughcontact.io.inspection import inspect_file
+from roughcontact.io.inspection import inspect_heights
 from roughcontact.io.read import read_height_map
-from roughcontact.io.request import FILE_OPTIONS
+from roughcontact.io.request import FILE_OPTIONS, Request
 from roughcontact.report.colours import coloured
 from roughcontact.study.surfaces import find
 
@@ -78,13 +78,14 @@ def inspect(row: Row) -> dict[str, Any]:
     result["command"] = shlex.join(["roughcontact", "inspect", path, *options])
     try:
         with READING, naming(Path(path)):
-            result |= inspect_file(path, **entries)
+            content, values = inspect_heights(Path(path), Request(**entries))
+            result |= content
             result["text"], result["line"] = inspection(result, path), result["problem"] or ""
             needed = result["needed"]
-            if held := result["map"]:
+            if values is not None:
+                held = content["map"]
                 heights = quantity(held["highest"] - held["lowest"], "m")
                 result["line"] = f"{points_in_words(held)}, {field_in_words(held)}, heights over {heights}"
-                values = read_height_map(path, **entries).values
                 rows, columns = (ceil(points / _THUMBNAIL) for points in values.shape)
                 result["picture"] = _picture(values[::rows, ::columns])
                 # where the unit of all may not be that of the heights
