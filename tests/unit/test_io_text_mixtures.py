@@ -267,7 +267,10 @@ def test_units_that_may_be_those_of_other_axes_are_asked_about(refused):
 
 def test_units_of_three_axes_above_a_matrix_in_its_positions(read):
     corner = "\t" + ABOVE.partition("\n")[0] + "\n" + BESIDE
-    holds_nm(read(f"FemtoScan Data File\num\tum\tnm\n{corner}"), ONE)
+    femto_scan = read(f"FemtoScan Data File\num\tum\tnm\n{corner}")
+    holds_nm(femto_scan, ONE)
+    sources = json.loads(femto_scan.attrs["ingest_sources"])
+    assert (sources["unit"], sources["height_unit"], sources["not used"]) == ("line 2", "line 2", [])
 
 
 def test_a_stated_size_is_that_of_all_lines(read):

@@ -1,11 +1,11 @@
 """The result of a reader: the channels of one file, in the file's own units."""
 
-import re
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from math import prod
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,27 +15,14 @@ from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
 from roughcontact.io.guards import MAX_CHANNELS, MAX_POINTS, check_count, listed
 from roughcontact.io.units import is_length
+from roughcontact.io.vocabulary import pattern, words
 
 MIN_MARKER = 1e36  # no unit makes a height so large
 # numbers without unit or scale that programs write for a missing point
-_MARKERS = (
-    1.70141e38,  # Surfer: blanked node of a grid
-    3.40282e38,  # C, float.h: FLT_MAX; the NODATA_value of Arc/Info grids with either sign
-    1.79769e308,  # C, float.h: DBL_MAX
-    9.91e37,  # SCPI-99, volume 1, 7.2.1: not a number
-    9.9e37,  # SCPI-99, volume 1, 7.2.1: infinity, with either sign
-    9.96921e36,  # netCDF, netcdf.h: NC_FILL_FLOAT and NC_FILL_DOUBLE
-)
+_MARKERS = [float(number) for number in words("number")["missing"]]
 _MAX_LIST_LENGTH = 100  # characters of names
 _LONGEST = 1e100  # of positions, whose squares must be finite
-
-
-NO_TOPOGRAPHY = re.compile(  # names of channels
-    r"phase|amplitude|deflection|error|friction|lateral|current|potential|voltage|intensity|modulation|stiffness|"
-    r"adhesion|dissipation|temperature|image|colou?r|mask|quality|uncertainty|slope|gradient|curvature|psd|acf|ratio|"
-    r"(?:^|[\W_])(?:std|r[aqz])(?:$|[\W_])",
-    re.IGNORECASE,
-)
+NO_TOPOGRAPHY = pattern("name", "no topography")  # of channels
 
 
 class UnevenPositionsError(InputFileError):
@@ -146,29 +133,25 @@ def choose_channel(
     "'Topography back', named by the user"
     """
     names = [channel.name for channel in file.channels]
-    listing = listed(names)
-    together = ""
-    if len(names) > 1 and all(channel.is_line for channel in file.channels):
-        all_names = "; ".join(names)
-        listing_text = all_names if len(all_names) < _MAX_LIST_LENGTH else "; ".join(names[:2]) + "; ..."
-        together = f"; several profiles of one surface (lay: none) are '{listing_text}'"
+    listing, together = listed(names), "; ".join(names)
+    together = together if len(together) < _MAX_LIST_LENGTH else "; ".join(names[:2]) + "; ..."
+    is_set = len(names) > 1 and all(channel.is_line for channel in file.channels)
+    together = f"; several profiles of one surface (lay: none) are '{together}'" if is_set else ""
     if choice is not None:
         for spelling in (str, lambda name: str(name).strip().casefold()):
             matches = [channel for channel in file.channels if spelling(channel.name) == spelling(choice)]
             if len(matches) == 1:
                 return matches[0], f"{matches[0].name!r}, named by the user"
-        raise InputFileError(
-            f"no channel is named {str(choice)!r}; the file has {listing}{together}", keys=["channel"]
-        )
+        wrong = f"no channel is named {str(choice)!r}"
+        raise InputFileError(f"{wrong}; the file has {listing}{together}", keys=["channel"])
     if file.question:
         raise InputFileError(
             f"{file.question}; name one with channel (table of surfaces or argument), of {listing}; "
             f"or all, in a row each, as repeats of one part of a group{together}",
             keys=["channel"],
         )
-    heights = [
-        channel for channel in file.channels if not channel.no_height or (unit_given and len(names) == 1)
-    ]
+    is_height = unit_given and len(names) == 1
+    heights = [channel for channel in file.channels if is_height or not channel.no_height]
     if not heights:
         reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in file.channels)
         raise InputFileError(
@@ -207,7 +190,6 @@ def as_heights(values: ArrayLike) -> np.ndarray:
     >>> as_heights([1, 2, 9.91e37])
     array([[ 1.,  2., nan]])
     """
-    mask = np.ma.getmaskarray(values) if isinstance(values, np.ma.MaskedArray) else None
     plain = np.asarray(np.ma.getdata(values))
     if plain.dtype.kind not in "iuf":
         raise InputFileError(
@@ -215,13 +197,18 @@ def as_heights(values: ArrayLike) -> np.ndarray:
         )
     with np.errstate(all="ignore"):  # a NaN of single precision may be a signalling one
         heights = np.array(plain, dtype=float, ndmin=2)
-    if mask is not None:
-        heights[np.atleast_2d(mask)] = np.nan
+    if isinstance(values, np.ma.MaskedArray):
+        heights[np.atleast_2d(np.ma.getmaskarray(values))] = np.nan
     heights[~np.isfinite(heights)] = np.nan
     if np.nanmax(np.abs(heights), initial=0.0) > MIN_MARKER:
         for marker in _MARKERS:
             heights[np.abs(np.abs(heights) / marker - 1) < 1e-5] = np.nan
     return heights
+
+
+def stored_floats(path: Path, number_type: str, shape: tuple[int, int], start: int) -> np.ndarray:
+    """Return the heights (ny, nx) that a file stores row by row from the byte `start` on."""
+    return as_heights(np.fromfile(path, number_type, prod(shape), offset=start).reshape(shape))
 
 
 @np.errstate(all="ignore")  # infinite positions are not even
@@ -237,9 +224,7 @@ def even_step(positions: ArrayLike, name: str) -> float:
     step = float((positions[-1] - positions[0]) / (positions.size - 1))
     deviation = np.max(np.abs(positions - positions[0] - step * np.arange(positions.size)))
     if not np.isfinite(step) or step == 0 or not deviation <= 0.02 * abs(step):
-        worst = (
-            f": up to {deviation / abs(step):.2g} of a step off" if step and np.isfinite(deviation) else ""
-        )
+        worst = f": up to {deviation / abs(step):.2g} of a step off" if step and deviation < np.inf else ""
         raise UnevenPositionsError(f"the positions along {name} are not evenly spaced{worst}")
     return step
 

@@ -26,6 +26,7 @@ _PROLOG = 2**20  # bytes within which the root of XML must begin
 _PADDED = 100  # compression ratio above which XML of 16 MiB and more is only padding
 MAX_POINTS = 2**27  # 1 GiB as float64; a solution needs about ten such arrays
 MAX_CHANNELS = 10_000  # of one file
+_EXAMINED = 2**20  # bytes behind a map that are compared with each other
 BYTES_PER_POINT = 32  # while a map is read: as stored, in double precision, and a copy
 
 
@@ -90,11 +91,9 @@ def refusing(message: str, way_out: str = "") -> Iterator[None]:
 
 def check_file(path: Path) -> None:
     """Refuse a path that is no regular file, and a file that is empty or larger than 4 GiB."""
-    if len(str(path)) > _MAX_PATH_LENGTH or max(map(len, path.parts), default=0) > _MAX_NAME_LENGTH:
-        name = str(path)
-        raise InputFileError(
-            f"{name[:60]}...: a path of {len(name)} characters, longer than any file's; check the path"
-        )
+    if len(name := str(path)) > _MAX_PATH_LENGTH or max(map(len, path.parts), default=0) > _MAX_NAME_LENGTH:
+        wrong = f"{name[:60]}...: a path of {len(name)} characters, longer than any file's"
+        raise InputFileError(f"{wrong}; check the path")
     try:
         status = path.stat()
     except PermissionError as error:
@@ -177,6 +176,36 @@ def memory_bytes() -> float | None:
     return min(limits, default=None)
 
 
+def refuse_cut_off(size: int, required_size: int) -> None:
+    """Refuse a file with fewer bytes than it needs."""
+    if size < required_size:
+        raise InputFileError(
+            f"{size} bytes where its header needs {required_size}: it was cut off, or lost bytes on "
+            "the way; copy or export it again"
+        )
+
+
+def compare_size(path: Path, required_size: int) -> tuple[str, list[str]]:
+    """Return how the size of a file differs from the bytes needed, as in `MeasuredFile.stale`, and a warning.
+
+    Equal excess bytes are padding at the end; others may have moved the heights. A file too short is refused.
+    """
+    size = path.stat().st_size
+    refuse_cut_off(size, required_size)
+    if size == required_size:
+        return "", []
+    with path.open("rb") as stream:
+        stream.seek(required_size)
+        excess = stream.read(_EXAMINED)
+    if excess.count(excess[:1]) == size - required_size:
+        note = (
+            f"the file has {size} bytes where its header needs {required_size}; the last "
+            f"{size - required_size} of them are all {excess[0]} and are taken for padding behind the heights"
+        )
+        return "", [note]
+    return f"{size} bytes where its header needs {required_size}", []
+
+
 def check_line_ends(path: Path) -> None:
     """Refuse a binary file after a text-mode transfer: every line feed follows a carriage return."""
     size = path.stat().st_size
@@ -209,10 +238,8 @@ def check_archive(path: Path) -> None:
             entries = archive.infolist()
             total = sum(entry.file_size for entry in entries)
             if total > MAX_UNPACKED_BYTES:
-                raise InputFileError(
-                    f"the archive would unpack to {total} bytes, more than the {MAX_UNPACKED_BYTES} "
-                    "that are allowed"
-                )
+                limit = f"the {MAX_UNPACKED_BYTES} that are allowed"
+                raise InputFileError(f"the archive would unpack to {total} bytes, more than {limit}")
             for entry in entries:
                 if entry.filename.lower().endswith(".xml"):
                     _check_xml(archive, entry)
@@ -230,7 +257,7 @@ def _check_xml(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
             f"{entry.filename} in the archive has {entry.file_size} bytes of XML, packed in "
             f"{entry.compress_size}: no description of a map is so long"
         )
-    tail, total, has_content = b"", 0, False
+    tail = b""
     with archive.open(entry) as stream:
         while block := stream.read(_PROLOG):
             text = tail + block.replace(b"\0", b"").upper()  # makes UTF-16 searchable
@@ -239,9 +266,7 @@ def _check_xml(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
                     f"{entry.filename} in the archive declares {declaration[1].decode()}, which is "
                     "refused because it can expand without limit or read other files; export the map again"
                 )
-            tail, total = text[-16:], total + len(block)
-            has_content = has_content or bool(text.strip())
-            if not has_content and total >= _PROLOG:
-                raise InputFileError(
-                    f"{entry.filename} in the archive begins with {total} bytes of blanks: it is no XML"
-                )
+            if not tail and len(block) == _PROLOG and not text.strip():
+                wrong = f"{entry.filename} in the archive begins with {_PROLOG} bytes of blanks"
+                raise InputFileError(f"{wrong}: it is no XML")
+            tail = text[-16:]

@@ -14,22 +14,7 @@ from roughcontact.arguments.quantities import number
 from roughcontact.io.vocabulary import words
 
 # key -> label, in the order of display
-LABELS = {
-    "kind": "kind",
-    "vendor": "vendor",
-    "name": "instrument",
-    "serial": "serial number",
-    "scanner_serial": "serial number of scanner",
-    "lens": "lens",
-    "magnification": "magnification",
-    "numerical_aperture": "numerical aperture",
-    "probe": "probe",
-    "acquisition_time": "date",
-    "calibration_time": "calibrated",
-    "software": "software",
-    "sample": "sample",
-    "comment": "comment",
-}
+LABELS = {key: labels[0] for key, labels in words("label").items()}
 
 # spelling in headers -> key, and its rank: of several in one header the first counts
 _MEANING = {

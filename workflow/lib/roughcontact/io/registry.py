@@ -11,10 +11,10 @@ from roughcontact.io.guards import (
     check_line_ends,
     check_memory,
     check_points,
+    compare_size,
     naming,
 )
 from roughcontact.io.interface import Reader, read_head
-from roughcontact.io.lengths import compare_size
 
 _READERS = "roughcontact.io.readers"
 

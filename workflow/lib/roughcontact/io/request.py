@@ -7,21 +7,10 @@ from numbers import Real
 from roughcontact.arguments.checking import check_choice
 from roughcontact.arguments.choices import Checksum, FirstRow, Resampling
 from roughcontact.arguments.lays import check_lay
+from roughcontact.io.vocabulary import rows_of
 
-# information missing in a file: the arguments of read_height_map, the columns of the table of surfaces
-FILE_OPTIONS = {
-    "channel": "which channel of the file, by name",
-    "dx": "step from point to point along x, in --unit, or with its own: 1.5um",
-    "dy": "step from point to point along y, in --unit, or with its own: 1.5um",
-    "unit": "unit of --dx and --dy, and of the heights without --height-unit: m, mm, um, nm, ...",
-    "height-unit": "unit of the heights",
-    "resample": "linear: interpolate points on an uneven grid to an even one",
-    "checksum": "ignore: read a file that differs from the checksum in it (X3P edited by hand)",
-    "first-row": "top or bottom: position of the first row of the file in the picture of the surface",
-    "missing-value": "number that marks missing points, in the unit of the heights; several: '-9999 0'",
-    "ignore-lines": "numbers of lines of a header that do not concern the map: '5 7'",
-    "lay": "of a profile: across (a lay, ridges) or none (an isotropic surface with its spectrum is solved)",
-}
+#: Options of commands that say what is missing in a file -> what they are.
+FILE_OPTIONS = dict(rows_of("options.tsv"))
 _CHOICES = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow}
 
 

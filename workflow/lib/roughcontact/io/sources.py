@@ -19,7 +19,7 @@ from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile
 from roughcontact.io.request import Request
 from roughcontact.io.text.header import CAMERA, NUMBER, number_and_rounding
 from roughcontact.io.units import is_length, metres
-from roughcontact.io.vocabulary import words
+from roughcontact.io.vocabulary import pattern, words
 
 #: Column of the table -> what it states.
 THINGS = {
@@ -31,10 +31,7 @@ THINGS = {
     "missing_value": "missing points",
     "first_row": "first row",
 }
-FACTOR, FRACTION, MARKER, TURNED, PIXELS, STEP, ELSEWHERE = (
-    re.compile("|".join(words("aside")[matter]), re.IGNORECASE)
-    for matter in ("factor", "fraction", "marker", "turned", "pixels", "step", "elsewhere")
-)
+_SAYS = {matter: pattern("aside", matter) for matter in words("aside")}
 _NO_HEIGHTS = re.compile(
     rf"(?:data|signal|type|image|quantity)\W*[:=]\W*(?:{NO_TOPOGRAPHY.pattern})", re.IGNORECASE
 )
@@ -126,12 +123,15 @@ def says_another_unit(channel: Channel, request: Request, lengths_used: Sequence
 
 def _is_factor(text: str, values: Sequence[float]) -> bool:
     """Return whether a line says a factor of the heights, in numbers or in words."""
-    return bool(FRACTION.search(text) or (FACTOR.search(text) and values and values[-1] not in (0, 1)))
+    return bool(
+        _SAYS["fraction"].search(text)
+        or (_SAYS["factor"].search(text) and values and values[-1] not in (0, 1))
+    )
 
 
 def _is_elsewhere(text: str) -> bool:
     """Return whether the lengths of a line are those of the lens, the tip, the specimen or the like."""
-    return bool(ELSEWHERE.search(text) or CAMERA.search(text))
+    return bool(_SAYS["elsewhere"].search(text) or CAMERA.search(text))
 
 
 def sources(file: MeasuredFile, channel: Channel, request: Request) -> dict[str, str]:
@@ -162,11 +162,8 @@ def in_words(origins: Mapping[str, Any]) -> str:
     for column, source in origins.items():
         if column in THINGS:
             things.setdefault(source, []).append(THINGS[column])
-    return (
-        "; ".join(f"{', '.join(names)}: {source}" for source, names in things.items())
-        if len(things) > 1
-        else ""
-    )
+    parts = [f"{', '.join(names)}: {source}" for source, names in things.items()]
+    return "; ".join(parts) if len(parts) > 1 else ""
 
 
 def lines_not_used(
@@ -194,30 +191,30 @@ def lines_not_used(
         if number in exempt:
             continue
         unless = f", or ignore_lines = {number} where it does not concern the map"
-        used = sides if STEP.search(text) else lengths_used
+        used = sides if _SAYS["step"].search(text) else lengths_used
         strange = [length for length in lengths if length.value == length.value and not length.agrees(used)]
         strange = [] if _is_elsewhere(text) else strange
         counts = _COUNTS.search(text)
         strange_points = counts is not None and {*map(int, counts.groups())} != {nx, ny}
         check = ""
-        if values and MARKER.search(text) and (count := int(np.sum(finite == values[-1]))):
+        if values and _SAYS["marker"].search(text) and (count := int(np.sum(finite == values[-1]))):
             points = f"{'is' if count == 1 else 'are'} {counted_noun(count, 'point')} with that height"
             check = f"and there {points}: if missing, give missing_value"
-        elif (TURNED.search(text) or _NO_HEIGHTS.search(text)) and not _DENIED.search(text):
+        elif (_SAYS["turned"].search(text) or _NO_HEIGHTS.search(text)) and not _DENIED.search(text):
             check = "which is not used: check first_row, the sign, and whether these are heights"
-        elif is_integer and (_is_factor(text, values) or (strange and not STEP.search(text))):
+        elif is_integer and (_is_factor(text, values) or (strange and not _SAYS["step"].search(text))):
             raise InputFileError(
                 f"{where}, and all heights are whole numbers, as counts are: state it as 'Z factor', with "
                 f"the unit of the products{unless}",
                 keys=["ignore_lines"] if unless else [],
             )
-        elif stated_above and (strange or strange_points) and STEP.search(text):
+        elif stated_above and (strange or strange_points) and _SAYS["step"].search(text):
             raise InputFileError(
                 f"{where}, which does not agree with steps of {quantity(dx, 'm')} and {quantity(dy, 'm')}: "
                 f"give dx, dy and unit{unless}",
                 keys=["dx", "dy", "unit", *(["ignore_lines"] if unless else [])],
             )
-        elif PIXELS.search(text) and any(value != 1 for value in values):
+        elif _SAYS["pixels"].search(text) and any(value != 1 for value in values):
             check = "which is not used: check the steps dx and dy"
         elif stated_above and (strange or strange_points):
             check = "which is not used: check the steps dx and dy, and the units"

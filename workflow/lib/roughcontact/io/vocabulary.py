@@ -1,5 +1,6 @@
 """The tables of this folder: words of files in several languages, and first bytes of formats."""
 
+import re
 from functools import cache
 from pathlib import Path
 
@@ -31,6 +32,11 @@ def words(used_in: str) -> dict[str, list[str]]:
         if used_in in ("", user):
             phrases_by_meaning.setdefault(meaning, []).extend(phrases.split(", "))
     return phrases_by_meaning
+
+
+def pattern(used_in: str, meaning: str) -> re.Pattern[str]:
+    """Return the pattern that takes any of the words of a meaning, in upper and lower case."""
+    return re.compile("|".join(words(used_in)[meaning]), re.IGNORECASE)
 
 
 @cache

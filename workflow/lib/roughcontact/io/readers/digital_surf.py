@@ -17,35 +17,16 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, counted_channels
-from roughcontact.io.guards import check_count, check_points, refusing
+from roughcontact.io.guards import check_count, check_points, refuse_cut_off, refusing
 from roughcontact.io.instruments.rules import IMPRINT, INVERTED
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
-from roughcontact.io.lengths import refuse_cut_off
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length, metres, same_length
+from roughcontact.io.vocabulary import rows_of
 
 _PLAIN, _PACKED = b"DIGITAL SURF", b"DSCOMPRESSED"
 _HEADER_BYTES = 512
-_FIELDS: Any = {  # name -> type, and position in the header
-    "mark": ("S12", 0),
-    "objects": ("<u2", 14),
-    "type": ("<u2", 18),
-    "object_name": ("S30", 20),
-    "instrument_name": ("S30", 50),
-    "special_points": ("<u2", 86),
-    "spectrum": ("<u4", 94),  # points at each place, perhaps 0 of a map
-    "bits": ("<u2", 98),
-    "lowest": ("<i4", 100),
-    "shape": (("<i4", 2), 108),  # points of a row, rows
-    "points": ("<u4", 116),
-    "steps": (("<f4", 3), 120),  # x, y, z
-    "step_units": (("S16", 3), 180),
-    "imprint": ("<u2", 288),
-    "inversion": ("<u2", 290),
-    "time": (("<u2", 6), 306),  # second, minute, hour, day, month, year
-    "sizes": (("<u2", 2), 334),  # comment, private zone
-    "client": ("S128", 338),
-}
+_FIELDS: Any = {name: (kind, int(place)) for name, kind, place, *_ in rows_of("digital_surf.tsv")}
 _LAYOUT = np.dtype(_FIELDS)
 # types of objects; behind those of other types may lie colours
 _PROFILE, _SURFACE, _PROFILES, _SURFACES = 1, 2, 4, 5
@@ -60,12 +41,9 @@ def read(path: Path) -> MeasuredFile:
     """Open a file; each object is a channel, in a series of profiles each row."""
     objects, stop = _objects(path)
     header = objects[0][0]
-    channels = counted_channels(
-        channel for header, start in objects for channel in _channels(header, start, path)
-    )
-    if len(channels) > 1:
-        for number, channel in enumerate(channels, 1):
-            channel.name = f"{_text(header['object_name']) or 'object'} {number}"
+    channels = counted_channels(channel for each in objects for channel in _channels(*each, path))
+    for number, channel in enumerate(channels if len(channels) > 1 else (), 1):
+        channel.name = f"{_text(header['object_name']) or 'object'} {number}"
     required_size = stop if header["type"] in _COMPLETE else None
     return MeasuredFile("Digital Surf SUR", channels, "top", _instrument(header), required_size=required_size)
 
@@ -175,11 +153,8 @@ def _read(header: np.void, load: Callable[[], np.ndarray], rows: slice) -> np.nd
 
 def _instrument(header: np.void) -> dict[str, Any]:
     """Return name, sample and date that a header states."""
-    metadata = {
-        "vendor": "Digital Surf",
-        "name": _text(header["instrument_name"]),
-        "sample": _text(header["object_name"]),
-    }
+    metadata = {"vendor": "Digital Surf", "name": _text(header["instrument_name"])}
+    metadata["sample"] = _text(header["object_name"])
     with suppress(ValueError):  # no date
         year, month, day, hour, minute, seconds = map(int, header["time"][::-1])
         metadata["acquisition_time"] = datetime.datetime(year, month, day, hour, minute, seconds).isoformat()

@@ -7,7 +7,6 @@ assumption. Where positions are given, y increases upwards.
 import re
 from collections import Counter
 from dataclasses import replace
-from itertools import takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -32,36 +31,22 @@ from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.sources import parse_lengths
 from roughcontact.io.text.axes import are_points, begins_anew, find_axes, form_a_grid, uneven, wrapped
 from roughcontact.io.text.columns import Column, are_map_columns, headed, layout, miscounted, unit_of_heights
-from roughcontact.io.text.doubts import cut_number, refuse_lost_row, thousands
+from roughcontact.io.text.doubts import refuse_lost_row, thousands
 from roughcontact.io.text.header import (
+    INSTRUMENT,
     LENGTHS,
     Stated,
     Statement,
     contradiction,
     disagreeing,
-    first_statements,
-    lengths_along,
     statements,
 )
-from roughcontact.io.text.lines import looks_like_text, read_lines
+from roughcontact.io.text.lines import looks_like_text
 from roughcontact.io.text.point_grid import points_on_grid
-from roughcontact.io.text.table import (
-    Dialect,
-    Rows,
-    Table,
-    counted,
-    is_empty_row,
-    left_out_below,
-    parse_table,
-    split_footer,
-    split_header,
-    split_tables,
-    strip_remarks,
-    unquoted,
-)
+from roughcontact.io.text.table import Dialect, Rows, Table, left_out, parse_table, read_tables
 from roughcontact.io.text.traces import are_traces, runs, turn
 from roughcontact.io.units import is_length, metres, same_length
-from roughcontact.io.vocabulary import words
+from roughcontact.io.vocabulary import pattern
 
 _SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # header entries on the size of a map
 _MANY_PROFILES = 10  # columns; fewer beside a first one of positions may be profiles
@@ -70,9 +55,7 @@ _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that 
 _COMPUTED = re.compile(  # headings of heights that were multiplied, turned, or are others than heights
     rf"[*×·/^]|\bx\s?\d|^[-−]|\blog\b|invert|{NO_TOPOGRAPHY.pattern}", re.IGNORECASE
 )
-_SQUARE = re.compile("|".join(words("aside")["square"]), re.IGNORECASE)  # names of the step of both axes
-# key of `roughcontact.io.metadata` -> key of the header
-_INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
+_SQUARE = pattern("aside", "square")  # names of the step of both axes
 _NAMED, _LENGTH, _UNKNOWN, _NO_HEIGHT = range(4)  # ranks of columns of heights
 _MAX_LINES = 1000  # lines above a table that are searched for other statements
 _LONGEST_LINE, _LONGEST_QUOTE = 200, 60  # characters of such a line, and of what is shown of it
@@ -86,7 +69,7 @@ _ENTRIES = {
     "factor": ("z_factor",),
 }
 _MAX_DISTANCE = 20  # lines above the table among which may be a heading with a unit
-_SIDE = {axis: "|".join(names) for axis, names in words("side").items()}
+_SIDE = {axis: pattern("side", axis) for axis in "xy"}
 _KEYENCE = -99999.9999  # that VR and VK series write for a missing point
 _ARC_INFO = {"ncols", "nrows", "cellsize"}  # first words of the header of a grid
 _SCALE_ADVICE = "correct the file, or give dx, dy and unit"
@@ -99,7 +82,6 @@ class _Text(NamedTuple):
     table: Table
     delimiter: str | None
     stated: Stated
-    first_values: dict[str, Any]
     columns: list[Column] | None
     doubts: list[str]
     unused: list[tuple[int, str]]  # lines of the header, with their numbers
@@ -112,30 +94,16 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a text file as a matrix, a list of points or a profile, by its content; both readings: refused."""
-    header, body = unquoted(*split_header(read_lines(path)))
-    body, footer, dialect = split_footer(body)
-    header, body, remarks = strip_remarks(header, body, dialect)
-    last_line = len(header) + len(body)
-    notes = [*left_out_below(footer, last_line + 1), *remarks]
-    if not footer:
-        notes += cut_number(body, dialect.delimiter, path, last_line)
-    counts, rows = counted(body, dialect.delimiter)
-    empty = sum(len([*takewhile(is_empty_row, reversed(lines))]) for lines in (header, footer))
-    number = len(header) + 1 + len(body) - len(rows)
+    tables, counts, dialect, notes = read_tables(path)
     texts: list[_Text] = []
     files: list[MeasuredFile] = []
-    for table in split_tables(header, rows, number, dialect):
+    for table in tables:
         texts.append(_parsed(table, [] if texts else counts, dialect))
         files.append(_file(texts[-1]))
         files[-1].warnings += texts[-1].doubts
     file = files[0] if len(files) == 1 else _together(texts, files)
     file.warnings += notes
-    if empty:
-        file.warnings.append(_left_out(empty, "line"))
-    first_values = texts[0].first_values
-    file.instrument = instrument_metadata(
-        {label: first_values.get(key) for label, key in _INSTRUMENT.items()}
-    )
+    file.instrument = instrument_metadata({key: texts[0].stated.first(key) for key in INSTRUMENT})
     return file
 
 
@@ -147,8 +115,8 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     by_meaning = statements(rows.heading, start=rows.first, sign=sign)
     headings = ((each, unit_of_heights(each[1])) for each in rows.filled[: -_MAX_DISTANCE - 1 : -1])
     for (number, line), unit in [heading for heading in headings if heading[1]][:1]:
-        heading = Statement(unit, "", 0.0, number, line.strip()[:_LONGEST_QUOTE])
-        by_meaning.setdefault("height_unit", []).append(heading)
+        statement = Statement(unit, line=number, text=line.strip()[:_LONGEST_QUOTE])
+        by_meaning.setdefault("height_unit", []).append(statement)
     refuse_lost_row(rows, width, dialect)
     doubts = [
         f"{marker!r} occurs in {counted_noun(count, 'cell')} of the table and is taken as missing: "
@@ -157,15 +125,15 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     ]
     if wrong := disagreeing(by_meaning):
         raise InputFileError(wrong)
-    first_values = first_statements(by_meaning)
     values[(np.abs(values) > MIN_MARKER) | (values == _KEYENCE)] = np.nan  # infinite ones too
     if {line.split()[0].lower() for _, line in rows.filled} >= _ARC_INFO:
-        first_values.setdefault("missing", [-9999.0])  # by default of the format
+        by_meaning.setdefault("missing", [Statement(-9999.0)])  # by default of the format
     doubts += thousands(by_meaning, rows.texts[table.empty_corner :], dialect)  # without positions
-    finite = values[np.isfinite(values) & ~np.isin(values, first_values.get("missing", []))]
+    finite = values[np.isfinite(values) & ~np.isin(values, _markers(by_meaning))]
     span = np.ptp(finite) if finite.size else 0.0
-    if abs(first_values.get("height_range", np.inf) - span) <= 0.01 * span:  # in the unit of the heights
-        first_values.setdefault("height_unit", by_meaning["height_range"][0].unit or None)
+    for extent in by_meaning.get("height_range", ())[:1]:
+        if extent.unit and abs(extent.value - span) <= 0.01 * span:  # in the unit of the heights
+            by_meaning.setdefault("height_unit", [extent._replace(value=extent.unit)])
     columns = headed(rows.heading, width, dialect.delimiter)
     if table.empty.any() and not {"length_x", "length_y", "nx", "ny"} & {*by_meaning}:
         occupied = slice(*(np.flatnonzero(~table.empty)[[0, -1]] + (0, 1)))
@@ -174,12 +142,13 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         if columns:
             columns = columns[occupied]
         elif omitted := width - table.empty.size:
-            doubts.append(_left_out(omitted, "column"))
+            doubts.append(left_out(omitted, "column"))
             columns = headed(rows.heading, table.empty.size, dialect.delimiter)
     above = rows.filled[-1][1] if rows.filled else ""
     units = above.split()
-    if table.empty_corner and len(units) == 3 < width and all(map(is_length, units)):
-        first_values |= {"lateral_unit": units[0], "height_unit": units[2]}  # FemtoScan: of x, y, z
+    if table.empty_corner and len(units) == 3 < width and all(map(is_length, units)):  # FemtoScan: of x, y, z
+        x, y, z = (Statement(unit, line=rows.filled[-1][0], text=above) for unit in units)
+        by_meaning |= {"lateral_unit": [x, *[y] * same_length(x.value, y.value)], "height_unit": [z]}
     elif not columns and (name_count := miscounted(above, width, dialect.delimiter)):
         raise InputFileError(
             f"{above.strip()[:60]!r} names {name_count} columns, the table below it, from line "
@@ -189,7 +158,12 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     counts = counts or [count.value for count in points if count.line == points[0].line]
     _refuse_cut_table(table.values.shape, counts)
     idle_lines = _unused(rows, by_meaning, columns, dialect.delimiter)
-    return _Text(rows, table, dialect.delimiter, by_meaning, first_values, columns, doubts, idle_lines)
+    return _Text(rows, table, dialect.delimiter, by_meaning, columns, doubts, idle_lines)
+
+
+def _markers(stated: Stated) -> list[float]:
+    """Return the numbers that mark missing points."""
+    return [statement.value for statement in stated.get("missing", [])]
 
 
 def _unused(
@@ -212,16 +186,9 @@ def _unused(
     ]
 
 
-def _left_out(count: int, lines: str) -> str:
-    """Return a warning about empty lines or columns beside a table."""
-    how = "is" if count == 1 else "are"
-    empty = f"{counted_noun(count, lines)} of empty cells beside the table {how} left out"
-    return f"{empty}; write NaN in those that are part of the map"
-
-
 def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
     """Return the tables of one text as channels of one file."""
-    titles = [text.first_values.get("channel") or _title(text) for text in texts]
+    titles = [text.stated.first("channel") or _title(text) for text in texts]
     has_heading = [
         text.stated or text.columns or (titles[0] and title)
         for text, title in zip(texts, titles, strict=True)
@@ -279,15 +246,15 @@ def _file(text: _Text) -> MeasuredFile:
     if groups and not has_positions:
         return _lists(text, groups)
     if count == 1:
-        is_list = rows > 1 and text.first_values.get("nx") != 1
+        is_list = rows > 1 and text.stated.first("nx") != 1
     else:
         narrow = count <= 3 and rows > 2 and not has_positions
-        is_list = narrow and not _is_stated_matrix(values, text.first_values)
+        is_list = narrow and not _is_stated_matrix(values, text.stated)
     if is_list:
         return _lists(text, [[*range(count)]])
     if text.rows.broken:
         between = np.array(text.rows.lines) - text.rows.lines[0]
-        if text.first_values.get("ny") != between[-1] + 1:
+        if text.stated.first("ny") != between[-1] + 1:
             raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a row is missing")
         whole = np.full((between[-1] + 1, count), np.nan)  # as many rows as are stated
         whole[between] = values
@@ -297,7 +264,7 @@ def _file(text: _Text) -> MeasuredFile:
 
 def _matrix_beside(text: _Text) -> MeasuredFile:
     """Return a matrix of heights without the positions in its first row and column."""
-    values, first_values = text.table.values, text.first_values
+    values = text.table.values
     ny, nx = values.shape
     if row := begins_anew(values):
         raise InputFileError(
@@ -319,7 +286,7 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
             f"the first {line} of the table, from line {text.rows.lines[0]} on, holds positions that are not "
             "even: delete it if it holds none, or write the points as a list x, y, z"
         )
-    if axes is None or (first_values.get("ny"), first_values.get("nx")) == (ny, nx):
+    if axes is None or (text.stated.first("ny"), text.stated.first("nx")) == (ny, nx):
         if text.table.short:
             raise InputFileError(f"line {text.rows.lines[0]} has {nx - 1} numbers where the others have {nx}")
         return _matrix(values, text)
@@ -333,7 +300,7 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
         return file
     if wrong := _contradictions(text, axes.steps, None, (len(axes.values), axes.values.shape[1])):
         channel.doubt = f"{axes.note}: {wrong}; {_SCALE_ADVICE}"
-    elif not axes.rows and nx < _MANY_PROFILES and not {"length_y", "dy", "step", "ny"} & {*first_values}:
+    elif not axes.rows and nx < _MANY_PROFILES and not {"length_y", "dy", "step", "ny"} & {*text.stated}:
         channel.doubt = (
             f"the first of {nx} columns holds positions: of {counted_noun(nx - 1, 'profile')}, then name the "
             "columns in a line above them (x, z1, ...), or of the rows of a map, then give dx, dy and unit"
@@ -353,7 +320,7 @@ def _unit_in_corner(label: str) -> tuple[str | None, str]:
     """
     tokens = re.findall(r"\w+", label)
     units = {token for token in tokens if is_length(token)}
-    axes = [axis for token in tokens for axis in "xy" if re.fullmatch(_SIDE[axis], token, re.IGNORECASE)]
+    axes = [axis for token in tokens for axis in "xy" if _SIDE[axis].fullmatch(token)]
     if len(units) == 1 and axes == ["y", "x"] and len(tokens) <= 4:  # the rows are named first
         return units.pop(), ""
     return None, f"; {label!r} in the corner is not used: check the units" if units else ""
@@ -363,11 +330,11 @@ def _contradictions(text: _Text, steps: dict[str, float], unit: str | None, shap
     """Return what of the header the steps of positions contradict; without a unit they have its unit."""
     for key, step in steps.items():
         name = f"the positions have {key} = {step:.6g} {unit or ''}".strip()
-        stated = {key: [Statement(step, unit or "", 0.01 * step, text.rows.lines[0], name)]}
+        stated = Stated({key: [Statement(step, unit or "", 0.01 * step, text.rows.lines[0], name)]})
         for entry in (key, "step", f"length_{key[1]}"):
-            entries = [each if unit else each._replace(unit="") for each in text.stated.get(entry, [])[:1]]
-            stated[entry] = [*stated.get(entry, []), *entries]
-        if wrong := contradiction({entry: each for entry, each in stated.items() if each}, shape):
+            for each in text.stated.get(entry, [])[:1]:
+                stated.setdefault(entry, []).append(each if unit else each._replace(unit=""))
+        if wrong := contradiction(stated, shape):
             return wrong
     return ""
 
@@ -375,7 +342,7 @@ def _contradictions(text: _Text, steps: dict[str, float], unit: str | None, shap
 def _lists(text: _Text, groups: list[list[int]]) -> MeasuredFile:
     """Return lists of points or profiles: one for each column of heights, and each trace in it."""
     columns = text.columns or [Column("", None, "")] * text.table.values.shape[1]
-    values, usual_name = text.table.values, text.first_values.get("channel", "height")
+    values, usual_name = text.table.values, text.stated.first("channel") or "height"
     valid = [index for index, column in enumerate(columns) if column.role == "valid"]
     invalid = (values[:, valid] == 0).any(axis=1)
     files: list[tuple[int, MeasuredFile]] = []  # with their ranks
@@ -409,13 +376,13 @@ def _lists(text: _Text, groups: list[list[int]]) -> MeasuredFile:
 
 def _list(table: np.ndarray, columns: list[Column], text: _Text) -> MeasuredFile:
     """Return one list with columns x (y) z, or z alone, of which x and y may have no name."""
-    units, first_values = [column.unit for column in columns], text.first_values
+    units = [column.unit for column in columns]
     _refuse_other_units(units, text)
     if len(columns) == 1:
         return _one_column(table[:, 0], columns[0], text)
     lateral = [unit for unit in units[:-1] if unit]
     factor = 1.0 if len(lateral) < 2 or same_length(*lateral) else _ratio(lateral[1], lateral[0], text)
-    lateral_unit = [*lateral, first_values.get("lateral_unit", first_values.get("unit"))][0]
+    lateral_unit = [*lateral, text.stated.first("lateral_unit", "unit")][0]
     has_values = ~np.isnan(table).all(axis=1)
     lines = [line for line, has_value in zip(text.rows.lines, has_values, strict=True) if has_value]
     *positions, heights = table[has_values].T
@@ -433,16 +400,16 @@ def _rank(column: Column, file: MeasuredFile) -> int:
     return _NAMED if column.role == "z" else _LENGTH if is_length(column.unit) else _UNKNOWN
 
 
-def _is_stated_matrix(values: np.ndarray, first_values: dict[str, Any]) -> bool:
+def _is_stated_matrix(values: np.ndarray, stated: Stated) -> bool:
     """Return whether a header makes a table of two or three columns a matrix of heights.
 
     Beside a header that gives the size of the field, the columns are positions only where they form a whole
     grid of three lines and more each way (a profile: even steps), which heights do not.
     """
     rows, count = values.shape
-    if first_values.keys() & {"nx", "ny"}:
-        return first_values.get("nx", count) == count and first_values.get("ny", rows) == rows
-    if not any(sizes <= first_values.keys() for sizes in ({"step"}, {"length_x", "length_y"}, {"dx", "dy"})):
+    if stated.keys() & {"nx", "ny"}:
+        return stated.first("nx") in (None, count) and stated.first("ny") in (None, rows)
+    if not any(sizes <= stated.keys() for sizes in ({"step"}, {"length_x", "length_y"}, {"dx", "dy"})):
         return False
     if count == 3 or not np.isfinite(values[:, 0]).all():
         return not (np.isfinite(values[:, :-1]).all() and form_a_grid(values[:, 0], values[:, 1]))
@@ -598,7 +565,7 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
 def _refuse_lost_lines(shape: tuple[int, ...], text: _Text, content: str = "the points make") -> None:
     """Refuse a map with fewer lines or columns than its header states, a matrix also with more."""
     for entry, count, name in (("nx", shape[1], "columns"), ("ny", shape[0], "rows")):
-        expected = text.first_values.get(entry, count)
+        expected = count if entry not in text.stated else text.stated.first(entry)
         exceeds = expected > count and (name == "columns" or shape[0] > 1)
         if exceeds if content == "the points make" else expected != count:
             raise InputFileError(
@@ -628,19 +595,18 @@ def _as_matrix(text: _Text) -> Channel | None:
         positions = max(along_x, along_y) <= rows / 2 <= along_x * along_y
     if positions:
         return None
-    return _channel(table, text, lateral_unit=text.first_values.get("lateral_unit"), first_row="top")
+    return _channel(table, text, lateral_unit=text.stated.first("lateral_unit"), first_row="top")
 
 
 def _steps(text: _Text, shape: tuple[int, ...]) -> tuple[dict[str, float], str | None]:
     """Return the steps in the header, `dx` and `dy`, and their unit."""
     steps: dict[str, float] = {}
     units: dict[str, str | None] = {}
-    first_values = text.first_values
     for axis, count in zip("yx", shape, strict=True):
-        for length, points in lengths_along(text.stated, axis, count)[:1]:
+        for length, points in text.stated.lengths_along(axis, count)[:1]:
             steps["d" + axis] = length.value / points
-            units["d" + axis] = length.unit or first_values.get("lateral_unit", first_values.get("unit"))
-    lateral_unit = units.get("dx") or units.get("dy") or first_values.get("lateral_unit")
+            units["d" + axis] = length.unit or text.stated.first("lateral_unit", "unit")
+    lateral_unit = units.get("dx") or units.get("dy") or text.stated.first("lateral_unit")
     for step, unit in units.items():
         if unit and lateral_unit and not same_length(unit, lateral_unit):
             steps[step] *= _ratio(unit, lateral_unit, text)
@@ -657,21 +623,20 @@ def _ratio(unit_y: str, unit_x: str, text: _Text) -> float:
 
 def _channel(numbers: np.ndarray, text: _Text, unit: str | None = None, **attributes: Any) -> Channel:
     """Return a channel of numbers in a unit, by default that of the header."""
-    first_values = text.first_values
-    unit = unit or first_values.get("height_unit", first_values.get("unit"))
-    for marker in first_values.get("missing", []):
+    unit = unit or text.stated.first("height_unit", "unit")
+    for marker in _markers(text.stated):
         numbers[numbers == marker] = np.nan
     for factor in text.stated.get("z_factor", [])[:1]:  # of counts or phases: it makes them lengths
         numbers, unit = numbers * factor.value, factor.unit or unit
-    name = first_values.get("channel", "height")
     sources = {
         column: f"line {text.stated[entry][0].line}"
         for column, entries in _ENTRIES.items()
         for entry in entries
-        if entry in text.stated
+        if entry in text.stated and text.stated[entry][0].line
     }
     sources = {"unit": sources.get("dx", "headings"), "missing_value": "words and NaN"} | sources
     attributes |= {"sources": {"height_unit": "headings"} | sources, "unused": text.unused}
+    name = text.stated.first("channel") or "height"
     return Channel(name, (len(numbers), numbers.shape[1]), lambda: numbers, unit, **attributes)
 
 

@@ -16,11 +16,12 @@ from roughcontact.io.vocabulary import meanings, words
 _MAX_LINE_LENGTH = 4096  # characters; longer lines contain no metadata
 _MAX_LINES = 100_000  # lines
 
+INSTRUMENT = ("name", "serial", "lens", "acquisition_time")  # keys of `roughcontact.io.metadata`
 # those with a text as value
-_TEXT_ENTRIES = ("channel", "height_unit", "lateral_unit", "unit", "instrument", "serial", "lens", "date")
+_TEXT_ENTRIES = ("channel", "height_unit", "lateral_unit", "unit", *INSTRUMENT)
 LENGTHS = ("length_x", "length_y", "length", "dx", "dy", "step", "size")
 _COUNTS = ("nx", "ny", "count")
-_REPEATED = ("channel", "instrument", "serial", "lens", "date", "missing", "height_range", "count", "length")
+_REPEATED = ("channel", "missing", "height_range", "count", "length", *INSTRUMENT)
 _UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: counts to nanometres
 # entries with two values in one line: meanings of these as lengths, as pixels, and without a unit
 _TWO_VALUES = {
@@ -71,16 +72,30 @@ class Statement(NamedTuple):
     """One entry of a header, `rounding` half a unit of its last digit, 0 for a whole number."""
 
     value: Any  # text or number, NaN where a mark may be a decimal sign or separate thousands
-    unit: str  # empty where there is none
-    rounding: float
-    line: int
-    text: str
+    unit: str = ""
+    rounding: float = 0.0
+    line: int = 0
+    text: str = ""
 
     def __str__(self) -> str:
         return f"line {self.line} says {self.text!r}"
 
 
-Stated = dict[str, list[Statement]]
+class Stated(dict[str, list[Statement]]):
+    """The entries of a header that are understood, by meaning, in the order of the lines."""
+
+    def first(self, *meanings: str) -> Any:
+        """Return the value of the first entry with one of some meanings, the first that there is."""
+        return next((self[meaning][0].value for meaning in meanings if meaning in self), None)
+
+    def lengths_along(self, axis: str, count: int) -> list[tuple[Statement, int]]:
+        """Return the steps and sizes along an axis of `count` points, and how many steps each has."""
+        single, common, sizes = (self.get(key, []) for key in ("d" + axis, "step", "length_" + axis))
+        if {length.line for length in single} & {length.line for length in common}:
+            common = []  # "spacing ...; line spacing ..."
+        # beside a step a size without a unit may be their number
+        sizes = [size for size in sizes if size.unit or size.value != count or not single + common]
+        return [*((step, 1) for step in single + common), *((size, count) for size in sizes)]
 
 
 def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> Stated:
@@ -99,7 +114,7 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
     >>> print(*statements(["Width: 1,234 µm"], sign=".")["length_x"])
     line 1 says 'Width: 1,234 µm'
     """
-    by_meaning: Stated = {}
+    by_meaning = Stated()
     for number, line in enumerate(islice(lines, _MAX_LINES), start=start):
         text = line.strip().lstrip("#%;!\\*/ \t").strip()
         if not text or len(line) > _MAX_LINE_LENGTH or CAMERA.match(text):
@@ -108,30 +123,9 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
             text = re.sub(r"(\s)\s+", r"\1", text)
         for key, value in _entries(text):
             for meaning, statement in _parse_entry(key, value, sign):
-                by_meaning.setdefault(meaning, []).append(
-                    statement._replace(line=number, text=text[:_LONGEST])
-                )
+                located = statement._replace(line=number, text=text[:_LONGEST])
+                by_meaning.setdefault(meaning, []).append(located)
     return by_meaning
-
-
-def first_statements(by_meaning: Stated) -> dict[str, Any]:
-    """Return the first value of each meaning; of numbers that mark missing points all."""
-    first_values = {meaning: entries[0].value for meaning, entries in by_meaning.items()}
-    if "missing" in by_meaning:
-        first_values["missing"] = [statement.value for statement in by_meaning["missing"]]
-    return first_values
-
-
-def lengths_along(by_meaning: Stated, axis: str, count: int) -> list[tuple[Statement, int]]:
-    """Return the steps and sizes along an axis of `count` points, and how many steps each has."""
-    single, common, sizes = (by_meaning.get(key, []) for key in ("d" + axis, "step", "length_" + axis))
-    if {length.line for length in single} & {
-        length.line for length in common
-    }:  # "spacing ...; line spacing ..."
-        common = []
-    # beside a step a size without a unit may be their number
-    sizes = [size for size in sizes if size.unit or size.value != count or not single + common]
-    return [*((step, 1) for step in single + common), *((size, count) for size in sizes)]
 
 
 def disagreeing(by_meaning: Stated) -> str:
@@ -139,9 +133,9 @@ def disagreeing(by_meaning: Stated) -> str:
     for ratio, bare in zip(by_meaning.get("z_factor", []), by_meaning.get("height_unit", []), strict=False):
         # of the products, or of the numbers, as radians; a factor of 1 makes no lengths of volts
         if is_length(ratio.unit) and (is_length(bare.value) or ratio.value == 1):
-            product = ratio.value * metres(ratio.unit)
             stated_unit = metres(bare.value) if is_length(bare.value) else math.nan
-            if not same_length(ratio.unit, bare.value) and not math.isclose(product, stated_unit):
+            is_product = math.isclose(ratio.value * metres(ratio.unit), stated_unit)
+            if not is_product and not same_length(ratio.unit, bare.value):
                 return f"{ratio}, {bare}: they do not agree; correct one of them"
     for factor in by_meaning.get("factor", []):
         if not is_length(factor.unit) and factor.value != 1 and "z_factor" not in by_meaning:
@@ -165,13 +159,12 @@ def contradiction(by_meaning: Stated, shape: tuple[int, int]) -> str:
     >>> contradiction(statements(["Pixel size: 0.5 µm", "Width: 6.5 µm"]), (9, 13))
     ''
     """
-    first = {meaning: entries[0] for meaning, entries in by_meaning.items()}
-    return next(chain(_no_lengths(by_meaning, first), _lengths_apart(by_meaning, first, shape)), "")
+    return next(chain(_no_lengths(by_meaning), _lengths_apart(by_meaning, shape)), "")
 
 
-def _no_lengths(stated: Stated, first: dict[str, Statement]) -> Iterator[str]:
+def _no_lengths(stated: Stated) -> Iterator[str]:
     """Yield sentences on ambiguous lengths, and on those whose unit is none or not that of all."""
-    lateral = first.get("lateral_unit")
+    lateral = next(iter(stated.get("lateral_unit", ())), None)
     for length in (length for meaning in LENGTHS for length in stated.get(meaning, ())):
         if length.value != length.value:
             yield f"{length}: {_AMBIGUOUS}"
@@ -181,24 +174,25 @@ def _no_lengths(stated: Stated, first: dict[str, Statement]) -> Iterator[str]:
             yield f"{length}, {lateral}: their units do not agree"
 
 
-def _lengths_apart(by_meaning: Stated, single: dict[str, Statement], shape: tuple[int, int]) -> Iterator[str]:
+def _lengths_apart(by_meaning: Stated, shape: tuple[int, int]) -> Iterator[str]:
     """Yield sentences on sizes and steps that differ, may be numbers of points, or have units far apart."""
-    general = next((single[key].value for key in ("lateral_unit", "unit") if key in single), "")
+    general = by_meaning.first("lateral_unit", "unit") or ""
     used = []
     for axis, count, name in (("x", shape[1], "columns"), ("y", shape[0], "rows")):
-        lengths = lengths_along(by_meaning, axis, count) if count > 1 else []
+        lengths = by_meaning.lengths_along(axis, count) if count > 1 else []
         for one, another in combinations(lengths, 2):
             if not _agree(one, another, general):
                 yield f"{one[0]}, {another[0]}: they do not agree for {count} {name}"
         used += lengths[:1]
-        bare = not {"d" + axis, "step", "n" + axis, "lateral_unit"} & {*single}
+        bare = not {"d" + axis, "step", "n" + axis, "lateral_unit"} & {*by_meaning}
         for length, _ in lengths if bare else ():
             if not length.unit and length.value == count:
                 yield f"{length}, and there are {count} {name}: a size without a unit, or their number"
-    if (height := single.get("length_y")) and _HEIGHT_WORD.match(height.text) and shape[0] > 1:
-        third = single.get("length") or (not {"length_x", "dy", "step"} & {*single} and single.get("dx"))
-        if third and is_length(third.unit):
-            yield f"{third}, {height}: a side of the map, or the range of its heights"
+    for height in by_meaning.get("length_y", ())[:1] if shape[0] > 1 else ():
+        alone = not {"length_x", "dy", "step"} & {*by_meaning}
+        third = by_meaning.get("length", by_meaning.get("dx", []) if alone else [])
+        if third and is_length(third[0].unit) and _HEIGHT_WORD.match(height.text):
+            yield f"{third[0]}, {height}: a side of the map, or the range of its heights"
     if len(used) < 2:
         return
     for size in by_meaning.get("size", []):  # of one side, or of both
@@ -318,7 +312,7 @@ def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Stateme
     if meaning in _TEXT_ENTRIES:
         no_unit = meaning in ("unit", "lateral_unit") or (meaning == "height_unit" and value[:1].isdigit())
         if value and (is_length(value) or not no_unit):
-            yield meaning, Statement(value, "", 0.0, 0, "")
+            yield meaning, Statement(value)
         return
     value = re.sub(r"[\[(](?=[-+.\d])|(?<=\d)[\])]", "", value.replace("×", "x").replace("*", "x"))
     sides = _BETWEEN_SIDES.split(value)
@@ -326,7 +320,7 @@ def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Stateme
         if match := NUMBER.match(value):
             of_counts = _UNIT_IN_NAME.get(name.strip().lower(), "")
             if of_counts:  # SPIP: the lengths too
-                yield "lateral_unit", Statement(of_counts, "", 0.0, 0, "")
+                yield "lateral_unit", Statement(of_counts)
             yield from _parse_numbers(meaning, match, unit or of_counts, sign)
         return
     units = [_PER_PIXEL.sub("", NUMBER.sub("", side, count=1).strip()) for side in sides]
@@ -394,10 +388,10 @@ def _parse_numbers(
     unclear = bare_size or meaning == "per_pixel" or meaning in _RESOLUTIONS
     if unclear or (meaning in LENGTHS and _RANGE.match(suffix)):
         return
-    yield meaning, Statement(number, value_unit, rounding, 0, "")
+    yield meaning, Statement(number, value_unit, rounding)
     # both are named as they differ
     if is_length(value_unit) and is_length(unit) and not same_length(value_unit, unit):
-        yield meaning, Statement(number, unit, rounding, 0, "")
+        yield meaning, Statement(number, unit, rounding)
 
 
 def number_and_rounding(text: str, sign: str) -> tuple[float, float]:

@@ -4,9 +4,11 @@ import csv
 import re
 from array import array
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import partial
+from itertools import chain, islice, takewhile, zip_longest
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +18,7 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.guards import brief, check_count, check_points
 from roughcontact.io.text.columns import is_heading
 from roughcontact.io.text.header import statements
+from roughcontact.io.text.lines import read_lines
 from roughcontact.io.text.missing import is_missing, is_spoken, joined
 from roughcontact.io.units import is_length
 from roughcontact.io.vocabulary import meanings
@@ -35,6 +38,8 @@ _WIDE_TABLE = 8  # columns; the headings of so many differ from one another
 _MAX_CELL = 64  # characters of a cell, on the average
 _PLAIN = re.compile(r'[-+\d.,;\s"eEdD]*\Z')  # of a row without words
 _ENDS = meanings("end")
+_LAST_LINES = 50  # lines whose last numbers are compared with that at the end of a file
+_MIN_PEERS = 3
 _CELL_SEPARATORS = ' \t;,"\r\n\f'  # what may stand between cells
 _UNEVEN = 0.1  # of a step, between positions that are rounded
 _FEW_ROWS = 3  # that show what a first row with one cell less is
@@ -54,6 +59,14 @@ class Dialect(NamedTuple):
         if mark in line and self.delimiter != mark:
             line = _GROUPS[mark].sub("", line)
         return line.replace(",", ".") if self.decimal_comma else line
+
+    def cells(self, line: str) -> list[str]:
+        """Return the cells of a row, in which a phrase for a missing point is one word."""
+        return [cell.strip() for cell in joined(line.strip(" \r\n\f")).split(self.delimiter)]
+
+    def number(self, cell: str) -> float | None:
+        """Return the value of a cell, NaN for a missing point, None for any other word."""
+        return _parse_number(self.plain(cell))
 
 
 class Table(NamedTuple):
@@ -92,6 +105,50 @@ class Rows(NamedTuple):
         return next(rows, (self.lines[0], self.texts[0]))
 
 
+def read_tables(path: Path) -> tuple[list[Rows], list[int], Dialect, list[str]]:
+    """Return the tables of a text, the numbers of points above the first, the dialect, and notes."""
+    header, body = _unquoted(*split_header(read_lines(path)))
+    body, footer, dialect = split_footer(body)
+    header, body, remarks = strip_remarks(header, body, dialect)
+    last_line = len(header) + len(body)
+    notes = [*_left_out_below(footer, last_line + 1), *remarks]
+    if not footer:
+        notes += _cut_number(body, dialect.delimiter, path, last_line)
+    if empty := sum(len([*takewhile(_is_empty_row, reversed(lines))]) for lines in (header, footer)):
+        notes.append(left_out(empty, "line"))
+    counts, rows = _counted(body, dialect.delimiter)
+    return split_tables(header, rows, last_line + 1 - len(rows), dialect), counts, dialect, notes
+
+
+def left_out(count: int, lines: str) -> str:
+    """Return a warning about empty lines or columns beside a table."""
+    how = "is" if count == 1 else "are"
+    empty = f"{counted_noun(count, lines)} of empty cells beside the table {how} left out"
+    return f"{empty}; write NaN in those that are part of the map"
+
+
+def _cut_number(body: list[str], delimiter: str | None, path: Path, last_line: int) -> list[str]:
+    """Return a note where a file ends in a number shorter than all others, without the end of a line.
+
+    It is refused where all others have as many decimals and digits of the exponent.
+    """
+    with path.open("rb") as stream:
+        stream.seek(max(0, path.stat().st_size - 2))
+        if set(stream.read()) & set(b"\n\r"):
+            return []
+    nonempty = filter(None, map(str.strip, body[-_LAST_LINES:]))
+    *cells, last = (line.split(delimiter)[-1].strip() for line in nonempty)
+    peers = [cell for cell in cells if cell and not is_missing(cell)]
+    if len(peers) < _MIN_PEERS or (is_missing(last) and last != "-"):
+        return []
+    forms = [tuple(map(len, re.split("[.,]|[eEdD][-+]?", cell)[1:])) for cell in (*peers, last)]
+    wrong = f"line {last_line} ends the file in {last!r}, without the end of a line"
+    if len({*forms[:-1]}) == 1 and forms[0] and forms[-1] != forms[0]:
+        raise InputFileError(f"{wrong} and all digits of the others: it was cut off; complete it")
+    *digits, last_digits = (len(re.sub(r"\D", "", cell)) for cell in (*peers, last))
+    return [f"{wrong}: if the file was cut off, complete that number"] if last_digits < min(digits) else []
+
+
 def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     """Return the lines of the header and those of the table, whose first rows may hold words.
 
@@ -100,32 +157,24 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     >>> split_header(["x;z;note", "0;1.5;start", "1;2.5;"])
     (['x;z;note'], ['0;1.5;start', '1;2.5;'])
     """
-    row_count, start = 0, len(lines)
-    for number, line in enumerate(lines):
-        remark = line.lstrip().startswith(";") and not any(
-            ";" in below for below in lines[number + 1 : number + 3]
-        )
-        if line.strip() and not remark and _is_data(line):
-            start = number
-            break
-        row_count += bool(line.strip())
-        if row_count > _MAX_HEADER_LINES:
-            break
-    if start == len(lines):  # rows of numbers are none of labelled ones
-        pairs = (
-            number
-            for number in range(min(start, _MAX_HEADER_LINES))
-            if _are_labelled(lines[number : number + 2])
-        )
-        start = next(pairs, start)
+    filled = [*islice((number for number, line in enumerate(lines) if line.strip()), _MAX_HEADER_LINES + 1)]
+    rows = (at for at in filled if not _is_remark(lines[at : at + 3]) and _is_data(lines[at]))
+    # rows of numbers are none of labelled ones
+    pairs = (at for at in filled if _are_labelled(lines[at : at + 2]))
+    extent = f" in its first {_MAX_HEADER_LINES} lines" if len(filled) > _MAX_HEADER_LINES else ""
+    start = next(chain(rows, pairs), len(lines))
     first_row = next((line for line in (lines[start:] or lines[::-1]) if line.strip()), "")
-    while start and row_count <= _MAX_HEADER_LINES and _is_row_like(lines[start - 1], first_row):
+    while start and (start < len(lines) or not extent) and _is_row_like(lines[start - 1], first_row):
         start -= 1
     if start < len(lines):
         return lines[:start], lines[start:]
-    sample = next((line.strip() for line in lines if line.strip()), "")
-    extent = f" in its first {_MAX_HEADER_LINES} lines" if row_count > _MAX_HEADER_LINES else ""
+    sample = lines[filled[0]].strip() if filled else ""
     raise InputFileError(f"text without a table of numbers{extent}; it starts with {sample[:60]!r}")
+
+
+def _is_remark(lines: list[str]) -> bool:
+    """Return whether the first of three lines begins with a semicolon, as none of the cells below it end."""
+    return lines[0].lstrip().startswith(";") and not any(";" in below for below in lines[1:])
 
 
 def _are_labelled(lines: list[str]) -> bool:
@@ -164,46 +213,35 @@ def strip_remarks(
     >>> strip_remarks(["x;z;note"], ["0;1.5;start", "1;2.5;"], Dialect(";", False))
     (['x;z'], ['0;1.5', '1;2.5'], ["column 3 ('note', 'start') holds words and is left out"])
     """
-    delimiter, words = dialect.delimiter, dict[int, str]()
-
-    def cells(line: str) -> list[str]:
-        return [cell.strip() for cell in joined(line.strip(" \r\f")).split(delimiter)]
-
-    def number(cell: str) -> float | None:
-        return _parse_number(dialect.plain(cell))
-
-    def finite(cell: str) -> bool:
-        return (value := number(cell)) is not None and bool(np.isfinite(value))
-
+    words = dict[int, str]()
     for line in body:
         if not _PLAIN.match(line) and is_row(line):
-            words = {index: cell for index, cell in enumerate(cells(line)) if number(cell) is None} | words
-    rows = [cells(line) for line in body if is_row(line)] if words else []
+            cells = enumerate(dialect.cells(line))
+            words = {index: cell for index, cell in cells if dialect.number(cell) is None} | words
+    rows = [dialect.cells(line) for line in body if is_row(line)] if words else []
     width = max(map(len, rows), default=0)
-    cells_by_column = [
-        [row[index] for row in rows if row[index : index + 1] not in ([], [""])] for index in range(width)
-    ]
-    columns = {index for index in words if not any(map(finite, cells_by_column[index]))}
+    cells_by_column = [[*filter(None, column)] for column in zip_longest(*rows)]
+    columns = {index for index in words if not _are_finite(map(dialect.number, cells_by_column[index])).any()}
     if not columns or len(columns) == width:
         return header, body, []
     # right of them results beside the table, below which are empty cells
     remarks = {index for index in range(min(columns), width) if 2 * len(cells_by_column[index]) < len(rows)}
     notes = []
     for index in sorted(columns):
-        names = [line_cells[index] for line in header if len(line_cells := cells(line)) == width]
+        names = [cells[index] for cells in map(dialect.cells, header) if len(cells) == width]
         listing = ", ".join(map(repr, [*names[-1:], words[index]]))
         notes.append(f"column {index + 1} ({listing}) holds words and is left out")
 
     def kept(line: str) -> str:
-        if len(all_cells := line.strip(" \r\f").split(delimiter)) != width and not is_row(line):
+        if len(cells := line.strip(" \r\f").split(dialect.delimiter)) != width and not is_row(line):
             return line
-        kept_cells = [cell for index, cell in enumerate(all_cells) if index not in columns | remarks]
-        return (delimiter or " ").join(kept_cells)
+        kept_cells = [cell for index, cell in enumerate(cells) if index not in columns | remarks]
+        return (dialect.delimiter or " ").join(kept_cells)
 
     return [*map(kept, header)], [*map(kept, body)], notes
 
 
-def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str]]:
+def _counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str]]:
     """Return the numbers of points alone in a line above the table (``23``, ``256 192``), and the table."""
     numbers = [number for number, line in enumerate(body[:50]) if line.strip()][:2]
     count_line, row = (
@@ -216,7 +254,7 @@ def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str
     return [*map(int, counts)], body[numbers[0] + 1 :]
 
 
-def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
+def _unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
     """Return header and table without the quotes that spreadsheets put around cells.
 
     Where there were quotes, semicolons separate the cells; entries of the header without quotes stay.
@@ -282,7 +320,7 @@ def split_footer(body: list[str]) -> tuple[list[str], list[str], Dialect]:
     return (body, [], dialect) if rows else (table, footer, dialect)  # rows with unknown words
 
 
-def left_out_below(footer: list[str], start: int) -> list[str]:
+def _left_out_below(footer: list[str], start: int) -> list[str]:
     """Return a note on the lines below a table, but for comments and words that only say that it ends."""
     lines = [
         (number, line.strip())
@@ -298,7 +336,7 @@ def _is_end(line: str) -> bool:
     return len(line) < _MAX_CELL and re.sub(r"[\W_]+", " ", line).strip().lower() in _ENDS
 
 
-def is_empty_row(line: str) -> bool:
+def _is_empty_row(line: str) -> bool:
     """Return whether a line consists of several separators of cells."""
     return not line.strip(_CELL_SEPARATORS) and len(line.strip(" \r\n\f")) > 1
 
@@ -372,7 +410,7 @@ def _add_label_row(rows: Rows, dialect: Dialect) -> Rows:
     first_row = rows.texts[0].strip(around)
     closing = delimiter if delimiter and first_row.endswith(delimiter) else ""
     width = len(first_row.removesuffix(closing).split(delimiter))
-    positions = [_parse_number(dialect.plain(cell)) for cell in cells]
+    positions = [*map(dialect.number, cells)]
     if not _FEW_ROWS <= len(cells) == width - 1 or None in positions or _parse_number(label) is not None:
         return rows
     steps = np.diff(np.array(positions, dtype=float))
@@ -380,8 +418,7 @@ def _add_label_row(rows: Rows, dialect: Dialect) -> Rows:
     if not even or statements([line]):
         return rows
     texts = [(delimiter or " ").join(["NaN", *cells]) + closing, *rows.texts]
-    lines = [rows.lines[0] - 1, *rows.lines]
-    return rows._replace(heading=rows.heading[:-1], texts=texts, lines=lines, label=label)
+    return Rows(rows.heading[:-1], rows.first, texts, [rows.lines[0] - 1, *rows.lines], rows.broken, label)
 
 
 def parse_table(rows: Rows, dialect: Dialect) -> Table:
@@ -408,17 +445,16 @@ def parse_table(rows: Rows, dialect: Dialect) -> Table:
             spoken.update(filter(is_spoken, map(str.strip, cells)))
             row = [value for cell in cells if (value := _parse_number(cell)) is not None]
             if len(row) < len(cells):
-                bad = [cell for cell in line.split(delimiter) if _parse_number(dialect.plain(cell)) is None]
-                raise _no_row([*bad, line][0], number)
+                bad = (cell for cell in line.split(delimiter) if dialect.number(cell) is None)
+                raise _no_row(next(bad, line), number)
         numbers.extend(row)
         counts.append(len(row))
     if lacks_corner := _lacks_corner(counts):
         numbers.insert(0, np.nan)
         counts[0] += 1
     _refuse_unequal_rows(counts, rows.lines)
-    shape = len(counts), counts[0]
-    check_points(shape)
-    values = np.array(numbers).reshape(shape)
+    check_points((len(counts), counts[0]))
+    values = np.array(numbers).reshape(len(counts), counts[0])
     empty = np.isnan(values).all(axis=0) & (delimiter is not None and not lacks_corner)
     for text in texts if empty.any() else ():
         empty &= [not cell.strip() for cell in text.split(delimiter)]
@@ -446,10 +482,8 @@ def _lacks_corner(counts: array) -> bool:
 
 def _no_row(cell: str, number: int) -> InputFileError:
     """Return the error for a line that is no row of a table, with the cell or line that is no number."""
-    way_out = (
-        "write NaN for a missing point, leave the table alone in the file, below lines of words, or export "
-        "the map as X3P or SDF"
-    )
+    way_out = "write NaN for a missing point, leave the table alone in the file, below lines of words, or "
+    way_out += "export the map as X3P or SDF"
     if re.search(r"\d[.,'\s]\d{3}(?!\d)", cell):
         way_out = "write the numbers without separators of thousands"
     return InputFileError(f"line {number} is no row of numbers ({brief(ValueError(cell))}); {way_out}")
@@ -462,34 +496,35 @@ def _refuse_unequal_rows(counts: array, lines: list[int]) -> None:
         width = widths.most_common(1)[0][0]
         bad = next(index for index, count in enumerate(counts) if count != width)
         cut = "; the last line is incomplete: the file was cut off" if bad == len(counts) - 1 else ""
-        number_count = counted_noun(counts[bad], "number")
-        raise InputFileError(
-            f"row {bad + 1} has {number_count} where the others have {width} (line {lines[bad]}){cut}"
-        )
+        row = f"row {bad + 1} has {counted_noun(counts[bad], 'number')}"
+        raise InputFileError(f"{row} where the others have {width} (line {lines[bad]}){cut}")
 
 
 def word_in_row(line: str, width: int, dialect: Dialect) -> str | None:
     """Return the first word in a line that is a row of a table of that `width` but for it, or None."""
     if not width or len(line) > width * _MAX_CELL:
         return None
-    text = joined(line.strip(" \r\f\n"))
-    cells = [cell.strip() for cell in dialect.plain(text).split(dialect.delimiter)]
+    cells = dialect.cells(line)
     while len(cells) > width and not cells[-1]:
         cells.pop()
     comment = bool(cells[0]) and cells[0][0] in COMMENT_SIGNS
     # in a wide table a lost separator or a blank in a word makes one cell fewer or more
     if abs(len(cells) - width) > (width >= _WIDE_TABLE and not comment) or (comment and len(cells[0]) > 1):
         return None
-    values = [_parse_number(cell) for cell in cells]
+    values = [*map(dialect.number, cells)]
     non_numbers = [cell for cell, value in zip(cells, values, strict=True) if value is None]
     numbers = sum(bool(cell) for cell in cells) - len(non_numbers)
-    finite = any(value is not None and np.isfinite(value) for value in values)
-    if non_numbers and finite and 2 * numbers > len(cells):
+    if non_numbers and _are_finite(values).any() and 2 * numbers > len(cells):
         return non_numbers[0]
     is_marker = len(set(non_numbers)) == 1 < len(non_numbers) and len(cells) == width >= _WIDE_TABLE
     if is_marker and any(map(str.isalnum, non_numbers[0])) and not is_heading(non_numbers[0]):
         return non_numbers[0]
     return None
+
+
+def _are_finite(values: Iterable[float | None]) -> np.ndarray:
+    """Return which of some values are finite numbers."""
+    return np.isfinite(np.array([*values], dtype=float))
 
 
 def _plain_numbers(text: str, delimiter: str | None) -> list[float] | None:
@@ -512,7 +547,7 @@ def _is_data(line: str) -> bool:
     if len(cells) <= 3 and cells[0][:1].isalpha() and phrase:
         return False  # "Masked 12" is an entry of the header
     rule = "---" in line and not any(map(str.isalnum, line))  # a line drawn below headings
-    return bool(np.isfinite(np.array(values, dtype=float)).any()) or (len(values) > 1 and not rule)
+    return bool(_are_finite(values).any()) or (len(values) > 1 and not rule)
 
 
 def _cells(line: str, limit: int = 0) -> list[str]:
