@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact.arguments.checking import marker_values
 from roughcontact.errors import HeightMapError, InputFileError
-from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, Points, choose_channel
+from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, choose_channel
 from roughcontact.io.request import Request
 from roughcontact.io.resampling import resample_evenly
 from roughcontact.io.scale import decide_scale
@@ -90,8 +90,8 @@ def _drop_markers(channel: Channel, request: Request) -> tuple[Channel, list[str
     note = f"{is_marker.sum()} points are {request.missing_value} and taken as missing (missing_value)"
     if points is not None:
         y = None if points.y is None else points.y[~is_marker]
-        remaining = Points(points.x[~is_marker], y, points.z[~is_marker], points.uneven)
-        return replace(channel, points=remaining), [note]
+        points = points._replace(x=points.x[~is_marker], y=y, z=points.z[~is_marker])
+        return replace(channel, points=points), [note]
     values[is_marker] = np.nan
     return replace(channel, read=lambda: values), [note]
 
@@ -100,13 +100,11 @@ def _first_row(file: MeasuredFile, channel: Channel, request: Request) -> tuple[
     """Return where row 0 of the file lies, whether that is assumed, a note if the user overrides the file."""
     orientation = channel.first_row or file.first_row
     is_assumption = bool(channel.first_row) or file.first_row_assumed
-    requested_row = request.first_row
-    if requested_row is None or channel.is_line:  # a profile has only one row
-        return orientation, is_assumption and channel.shape[0] > 1, []
-    if is_assumption or requested_row == orientation:
-        return requested_row, False, []
-    note = f"first_row = {requested_row} is given, the file has its first row at the {orientation}"
-    return requested_row, False, [note]
+    if request.first_row is None or channel.is_line:  # a profile has only one row
+        return orientation, is_assumption and not channel.is_line, []
+    is_other = not is_assumption and request.first_row != orientation
+    note = f"first_row = {request.first_row} is given, the file has its first row at the {orientation}"
+    return request.first_row, False, [note] * is_other
 
 
 def _checksum_notes(file: MeasuredFile, request: Request) -> list[str]:
@@ -126,11 +124,14 @@ def _checksum_notes(file: MeasuredFile, request: Request) -> list[str]:
 def _settled(channel: Channel, request: Request) -> tuple[Channel, list[str]]:
     """Return the channel as map or as points, where its numbers may be both, and a note on the choice."""
     matrix = channel.otherwise
-    if matrix is not None and request.dx is not None and request.resample is None:
+    if (
+        matrix
+        and request.dx is not None
+        and request.resample is None
+        and (matrix.is_line or request.dy is not None)
+    ):
         ny, nx = matrix.shape
-        if ny == 1 or request.dy is not None:
-            decision = f"the numbers are read as a map of {ny} rows of {nx}, because dx and dy are given"
-            return matrix, [decision]
+        return matrix, [f"the numbers are read as a map of {ny} rows of {nx}, because dx and dy are given"]
     if channel.doubt:
         raise InputFileError(channel.doubt)
     return channel, []

@@ -65,14 +65,8 @@ def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float
     y, x = (np.arange(n) - (n - 1) / 2 for n in height.shape)
     # normal equations of 1, x, y from sums along rows and columns, without map-sized arrays for x and y
     columns, rows = is_finite.sum(axis=0), is_finite.sum(axis=1)
-    sum_x, sum_y = columns @ x, rows @ y
-    normal = np.array(
-        [
-            [count, sum_x, sum_y],
-            [sum_x, columns @ x**2, y @ (is_finite @ x)],
-            [sum_y, y @ (is_finite @ x), rows @ y**2],
-        ]
-    )
+    sum_x, sum_y, sum_xy = columns @ x, rows @ y, y @ (is_finite @ x)
+    normal = [[count, sum_x, sum_y], [sum_x, columns @ x**2, sum_xy], [sum_y, sum_xy, rows @ y**2]]
     right = np.array([0.0, z.sum(axis=0) @ x, z.sum(axis=1) @ y])
     plane = np.linalg.lstsq(normal, right, rcond=None)[0]
     residual = np.where(is_finite, z - plane[0] - plane[1] * x - (plane[2] * y)[:, None], 0.0)
@@ -133,34 +127,27 @@ def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kin
     fields = [nx * dx, ny * dy] if ny > 1 else [nx * dx]
     steps = [dx, dy] if ny > 1 else [dx]
     if span > max(fields):
-        yield (
-            f"the heights span {quantity(span, 'm')}, more than the field of {quantity(max(fields), 'm')}: "
-            "check the height unit"
-        )
+        relation = f"{quantity(span, 'm')}, more than the field of {quantity(max(fields), 'm')}"
+        yield f"the heights span {relation}: check the height unit"
     for values, (low, high), quantity_name, unit in (
         (steps, kind.step, "steps of {} are", "lateral"),
         (fields, kind.field, "a field of {} is", "lateral"),
         ([span] if span > 0 else [], kind.span, "heights that span {} are", "height"),
     ):
-        wrong = [value for value in values if not low <= value <= high]
-        if wrong:
-            yield (
-                f"{quantity_name.format(quantity(wrong[0], 'm'))} unusual for {kind.words} "
-                f"({quantity(low, 'm')} to {quantity(high, 'm')}): check the {unit} unit"
-            )
+        for wrong in [value for value in values if not low <= value <= high][:1]:
+            usual = f"unusual for {kind.words} ({quantity(low, 'm')} to {quantity(high, 'm')})"
+            yield f"{quantity_name.format(quantity(wrong, 'm'))} {usual}: check the {unit} unit"
 
 
 def _slopes(height: np.ndarray, dx: float, dy: float) -> Iterator[str]:
     """Suspect slopes that no instrument measures."""
     _, gradient = roughness_off_plane(height, dx, dy)
+    size = f"rms gradient {number(gradient)}"
+    wrong = f"smaller than those of polished optics ({size})" if 0 < gradient < _FLATTEST else ""
     if gradient > MAX_GRADIENT:
-        angle = f"{np.degrees(np.arctan(gradient)):.0f}°"
-        wrong = f"steeper than anything that is measured (rms gradient {number(gradient)}, {angle})"
-    elif 0 < gradient < _FLATTEST:
-        wrong = f"smaller than those of polished optics (rms gradient {number(gradient)})"
-    else:
-        return
-    yield f"the slopes are {wrong}: check the units of heights and steps"
+        wrong = f"steeper than anything that is measured ({size}, {np.degrees(np.arctan(gradient)):.0f}°)"
+    if wrong:
+        yield f"the slopes are {wrong}: check the units of heights and steps"
 
 
 def _extremes(heights: np.ndarray, low: float, high: float) -> Iterator[str]:
@@ -169,16 +156,16 @@ def _extremes(heights: np.ndarray, low: float, high: float) -> Iterator[str]:
         return
     lower, upper = np.quantile(_sample(heights), _CENTRAL_QUANTILES)
     reach = 3 * (upper - lower)
-    for count, side, worst in (
-        (np.count_nonzero(heights < lower - reach), "below", f"down to {quantity(low, 'm')}"),
-        (np.count_nonzero(heights > upper + reach), "above", f"up to {quantity(high, 'm')}"),
+    for count, where in (
+        (np.count_nonzero(heights < lower - reach), f"below all others (down to {quantity(low, 'm')}"),
+        (np.count_nonzero(heights > upper + reach), f"above all others (up to {quantity(high, 'm')}"),
     ):
         if count:
             points = f"{count} points lie" if count > 1 else "1 point lies"
             yield (
-                f"{points} far {side} all others ({worst}, where 99 % lie between "
-                f"{quantity(lower, 'm')} and {quantity(upper, 'm')}): spikes, dust, or a marker for missing "
-                f"points that was taken for a height ({_MARKER_ADVICE})"
+                f"{points} far {where}, where 99 % lie between {quantity(lower, 'm')} and "
+                f"{quantity(upper, 'm')}): spikes, dust, or a marker for missing points that was taken for a "
+                f"height ({_MARKER_ADVICE})"
             )
 
 
@@ -222,12 +209,11 @@ def _lines(height: np.ndarray) -> Iterator[str]:
         flat = np.all((values == reference) | ~finite, axis=1) & long_enough
         both_missing = ~finite[1:] & ~finite[:-1]
         repeats = np.all((values[1:] == values[:-1]) | both_missing, axis=1) & long_enough[1:]
-        first_half, second_half = values[: count // 2], values[count // 2 :]
         if 0 < flat.sum() < count / 2:
             yield f"{flat.sum()} of {count} {name} are constant: lost lines or a marker for missing points"
         elif 0 < repeats.sum() < count / 2:
             yield f"{repeats.sum()} of {count} {name} repeat the one before exactly: lost lines"
-        elif not repeats.any() and np.array_equal(first_half, second_half, equal_nan=True):
+        elif not repeats.any() and np.array_equal(values[: count // 2], values[count // 2 :], equal_nan=True):
             yield f"the second half of the {name} repeats the first exactly: exported twice, or periodic"
 
 
@@ -240,8 +226,7 @@ def _noise(height: np.ndarray) -> Iterator[str]:
             return
         with np.errstate(all="ignore"):  # equal heights have no correlation
             correlations.append(np.corrcoef(a[both_finite], b[both_finite])[0, 1])
-    if not np.max(correlations) < 0.1:
-        return
-    values = "correlation {:.2f} along x, {:.2f} along y".format(*correlations)
-    origin = "pure noise, or a binary file whose line ends were converted"
-    yield f"neighbouring points are unrelated ({values}): {origin}"
+    if np.max(correlations) < 0.1:
+        values = "correlation {:.2f} along x, {:.2f} along y".format(*correlations)
+        origin = "pure noise, or a binary file whose line ends were converted"
+        yield f"neighbouring points are unrelated ({values}): {origin}"

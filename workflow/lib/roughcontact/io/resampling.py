@@ -46,8 +46,8 @@ def resample_evenly(channel: Channel, request: Request) -> tuple[Channel, Reques
         factor = metres(channel.lateral_unit) / metres(unit) if is_length(channel.lateral_unit) else 1.0
         y = None if points.y is None else points.y * factor
         points = points._replace(x=points.x * factor, y=y)
-        steps = steps[0] and steps[0] / metres(unit), steps[1] and steps[1] / metres(unit)
-        channel = replace(channel, lateral_unit=unit)
+        dx, dy = (step and step / metres(unit) for step in steps)
+        steps, channel = (dx, dy), replace(channel, lateral_unit=unit)
     grid_channel, description = resampled(channel, points, steps)
     return grid_channel, replace(request, dx=None, dy=None), [description]
 
@@ -100,11 +100,9 @@ def _interpolated(positions, z, steps):
     along = [_grid(coords, step) for coords, step in zip(positions, steps, strict=True)]
     check_points((prod(axis.size for axis in along[1:]), along[0].size))
     # in steps from the middle: the triangulation matches the grid, and rounding errors are small
+    scales = [(coords.mean(), step) for coords, step in zip(positions, steps, strict=True)]
     rescaled, axes = (
-        [
-            (coords - middle.mean()) / step
-            for coords, middle, step in zip(group, positions, steps, strict=True)
-        ]
+        [(coords - middle) / step for coords, (middle, step) in zip(group, scales, strict=True)]
         for group in (positions, along)
     )
     points, grid = np.column_stack(rescaled), np.meshgrid(*axes)

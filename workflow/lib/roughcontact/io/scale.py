@@ -94,10 +94,9 @@ def _step(
     if step is None:
         return None if file_step is None or factor is None else file_step * factor
     stated_unit = channel.lateral_unit or request.unit
-    if file_step is not None and is_length(stated_unit):
-        in_file = file_step * metres(stated_unit)
-        if abs(in_file / step - 1) > 1e-3:
-            notes.append(f"{name} = {step:.6g} m as given by the user, where the file says {in_file:.6g} m")
+    in_file = file_step * metres(stated_unit) if file_step is not None and is_length(stated_unit) else step
+    if abs(in_file / step - 1) > 1e-3:
+        notes.append(f"{name} = {step:.6g} m as given by the user, where the file says {in_file:.6g} m")
     return step
 
 
@@ -156,11 +155,11 @@ def _missing_steps(channel: Channel, request: Request) -> InputFileError:
     """
     ny, nx = channel.shape
     description = f"a profile of {nx} points" if ny == 1 else f"a map of {ny} x {nx} points"
-    stated = {"dx": channel.dx} if ny == 1 else {"dx": channel.dx, "dy": channel.dy}
-    absent = [name for name, step in stated.items() if step is None]
+    steps = ["dx", "dy"][:ny]
+    absent = [name for name in steps if getattr(channel, name) is None]
     lines = quoted(channel, request)
-    if lines and absent and any("line" in channel.sources.get(name, "") for name in stated):
-        absent = [*stated]  # which side the other line means is not known
+    if lines and absent and any("line" in channel.sources.get(name, "") for name in steps):
+        absent = steps  # which side the other line means is not known
     needed, heights = [*absent, "unit"], ""
     if channel.height_unit is not None:
         heights = f" (its heights are in {channel.height_unit})"

@@ -91,10 +91,8 @@ def formats_within(path: Path) -> set[str]:
 def foreign(path: Path, head: bytes) -> str:
     """Return the name of a container format without a reader, and how to convert it; empty where unknown."""
     if head.startswith(TIFF):
-        return (
-            "a TIFF picture, but none of Park Systems, JPK or Olympus LEXT: nothing says its heights; "
-            "export the map itself as X3P, SDF or text"
-        )
+        wrong = "a TIFF picture, but none of Park Systems, JPK or Olympus LEXT: nothing says its heights"
+        return f"{wrong}; export the map itself as X3P, SDF or text"
     if head.startswith(OLE) and "Workbook".encode("utf-16-le") in path.read_bytes():
         return "an Excel workbook; save the sheet as CSV or text"
     return _archive(path) if head.startswith(ZIP) else ""
@@ -105,10 +103,9 @@ def _archive(path: Path) -> str:
     names = _entry_names(path)
     if any(name.startswith("xl/") for name in names):
         sheets = list_sheets(path) if "xl/workbook.xml" in names else []
-        return (
-            "an Excel workbook, but not one of Mitutoyo's profiles; save the sheet with the heights as CSV "
-            "or text" + (f" (its sheets: {listed(sheets, 5)})" if sheets else "")
-        )
+        way_out = "save the sheet with the heights as CSV or text"
+        way_out += f" (its sheets: {listed(sheets, 5)})" if sheets else ""
+        return f"an Excel workbook, but not one of Mitutoyo's profiles; {way_out}"
     if any(name.startswith(("word/", "ppt/")) for name in names):
         return "an Office document; export the map itself as X3P, SDF or text"
     if names and all(name.endswith(".npy") for name in names):

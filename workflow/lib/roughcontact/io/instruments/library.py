@@ -1,4 +1,4 @@
-"""Safe reading of instrument formats with SurfaceTopography, without sizes, units or scales passed to it.
+"""Safe reading of the formats of `formats.tsv` with SurfaceTopography, without sizes or units passed to it.
 
 The transpose of its heights [x, y], drawn as a picture, looks as in the instrument's software: row 0 is the
 upper line.
@@ -13,11 +13,12 @@ from dataclasses import replace
 from functools import partial
 from math import prod
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from roughcontact.errors import InputFileError
+from roughcontact.io import instrument_kinds
 from roughcontact.io.channels import (
     NO_TOPOGRAPHY,
     Channel,
@@ -29,14 +30,54 @@ from roughcontact.io.channels import (
 )
 from roughcontact.io.guards import brief, check_points
 from roughcontact.io.instruments import containers
-from roughcontact.io.instruments.formats import FORMATS, Format, marked
-from roughcontact.io.instruments.rules import INVERTED, Header
+from roughcontact.io.instruments.rules import INVERTED, RULES, Header, Rules
 from roughcontact.io.interface import Reader, read_head
 from roughcontact.io.metadata import instrument_metadata
+from roughcontact.io.text.lines import looks_like_text
 from roughcontact.io.units import is_length
+from roughcontact.io.vocabulary import marks, rows_of
 
 _FILM = "a film of high-speed AFM (asd) is not read: save a frame as text or GWY; "
 _BYTES_PER_BYTE = 8  # memory for each byte of a file: two-byte integers become double precision, twice
+
+
+class Format(NamedTuple):
+    """One row of the table."""
+
+    name: str  # in the library
+    marks: tuple[bytes, ...]
+    offset: int
+    kind: instrument_kinds.Kind  # of the instrument that writes it
+    text: str  # `no`, `text`, `binary`
+    vendor: str
+
+    @property
+    def rules(self) -> Rules:
+        """What the library does not know of the format."""
+        return RULES.get(self.name, Rules())
+
+    def has_mark(self, head: bytes) -> bool:
+        """Return whether a file that begins with `head` has the mark of this format."""
+        return head.startswith(self.marks, self.offset) and (self.text != "no" or not looks_like_text(head))
+
+
+FORMATS = [
+    Format(name, marks(listed), int(offset), getattr(instrument_kinds, kind), text, vendor)
+    for name, listed, offset, kind, text, vendor in rows_of("formats.tsv")
+]
+
+
+def marked(head: bytes) -> list[Format]:
+    """Return the formats whose mark a file has, in the order in which they are tried.
+
+    Examples
+    --------
+    >>> [each.name for each in marked(b"II*" + bytes(100))]
+    ['ps', 'jpk', 'lext']
+    >>> marked(b"KPK0 is how this text begins")
+    []
+    """
+    return [format_ for format_ in FORMATS if format_.has_mark(head)]
 
 
 def read_instrument(path: Path) -> MeasuredFile:
@@ -71,10 +112,8 @@ def read_instrument(path: Path) -> MeasuredFile:
         raise InputFileError(f"this is {foreign_format}")
     if failures and marked(head):
         candidate, reason = failures[0]
-        raise InputFileError(
-            f"looks like {candidate}, but is damaged, cut off or of a kind that holds no map "
-            f"({_message(reason)})"
-        ) from reason
+        wrong = f"looks like {candidate}, but is damaged, cut off or of a kind that holds no map"
+        raise InputFileError(f"{wrong} ({_message(reason)})") from reason
     hint = _FILM if path.suffix.lower() == ".asd" else ""
     raise InputFileError(
         f"the format is not known, or the file is damaged (recognised by content, not by extension); "
@@ -140,18 +179,17 @@ def _channel(info: Any, file_format: Format) -> Channel:
     shape = (1, info.nb_grid_pts[0]) if len(info.nb_grid_pts) == 1 else tuple(info.nb_grid_pts[::-1])
     check_points(shape)
     lateral_unit, unit, no_height = _units(info)
-    channel = Channel(
-        info.channel_id, shape, unreadable(""), unit, lateral_unit=lateral_unit, no_height=no_height
-    )
+    name = info.channel_id
+    channel = Channel(name, shape, unreadable(""), unit, lateral_unit=lateral_unit, no_height=no_height)
     try:
         topography = info.topography()
         values = topography.heights()
     except CorruptFile as error:
-        raise InputFileError(f"channel {info.channel_id!r} is incomplete: the file was cut off") from error
+        raise InputFileError(f"channel {name!r} is incomplete: the file was cut off") from error
     except (ImportError, MemoryError):
         raise
     except Exception as error:
-        reason = f"channel {info.channel_id!r} cannot be read ({brief(error)})"
+        reason = f"channel {name!r} cannot be read ({brief(error)})"
         if not no_height:
             raise InputFileError(reason) from error
         return replace(channel, read=unreadable(reason))

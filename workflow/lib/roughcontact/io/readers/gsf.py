@@ -4,12 +4,13 @@ After zero bytes up to the next multiple of four (one at least) the heights foll
 little-endian, NaN where not measured.
 """
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.channels import Channel, MeasuredFile, stored_floats
 from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 
@@ -22,9 +23,8 @@ def read(path: Path) -> MeasuredFile:
     with path.open("rb") as stream:
         text, zero, _ = stream.read(_MAX_HEADER_BYTES).partition(b"\0")
     lines = text.removeprefix(_MARK).decode("utf-8", "replace").splitlines()
-    statements = {
-        key.strip(): value.strip() for key, equals, value in (line.partition("=") for line in lines)
-    }
+    entries = (line.partition("=") for line in lines)
+    statements = {key.strip(): value.strip() for key, _, value in entries}
     with refusing("looks like GSF, but is damaged: no size in its header"):
         nx, ny = int(statements["XRes"]), int(statements["YRes"])
         lengths = [float(statements[key]) if key in statements else None for key in ("XReal", "YReal")]
@@ -35,7 +35,7 @@ def read(path: Path) -> MeasuredFile:
     channel = Channel(
         statements.get("Title") or "height",
         (ny, nx),
-        lambda: as_heights(np.fromfile(path, "<f4", nx * ny, offset=start).reshape(ny, nx)),
+        partial(stored_floats, path, "<f4", (ny, nx), start),
         height_unit=statements.get("ZUnits") or None,
         dx=length_x / nx if length_x else None,
         dy=length_y / ny if length_y else None,

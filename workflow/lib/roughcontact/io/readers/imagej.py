@@ -19,7 +19,7 @@ from roughcontact.io.instruments.containers import TIFF, check_tiff, tiff_end, t
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.units import is_length
 
-_DESCRIPTION, _X_RESOLUTION, _Y_RESOLUTION = 270, 282, 283  # tags
+_DESCRIPTION, _RESOLUTIONS = 270, (282, 283)  # tags, of these along x and y
 _MODES = ("F", "I;16", "I;16B")  # of Pillow; images of 8 bits and colours are pictures
 _STRAIGHT_LINE = 0  # the function of calibrated values, c0 + c1 value; those from 20 on are none
 _NO_FUNCTION = 20
@@ -42,7 +42,9 @@ def read(path: Path) -> MeasuredFile:
         raise InputFileError(
             "its values are calibrated by a curve, which is not followed; save them as floats"
         )
-    line = [float(stated.get(name, default)) for name, default in (("c0", 0.0), ("c1", 1.0))]
+    line = float(stated.get("c0", 0.0)), float(stated.get("c1", 1.0))
+    height_unit = stated.get("vunit") if function == _STRAIGHT_LINE else None
+    lateral_unit = unit if is_length(unit) else None
     channels = []
     with refusing("looks like a TIFF of ImageJ, but is damaged"), TiffImageFile(path) as image:
         if image.n_frames > _MAX_PAGES:
@@ -54,18 +56,12 @@ def read(path: Path) -> MeasuredFile:
             if image.mode not in _MODES:
                 raise InputFileError(f"a picture of ImageJ ({image.mode}), whose shades are no heights")
             check_points(image.size[::-1])
-            steps = [_step(image.tag_v2.get(tag)) for tag in (_X_RESOLUTION, _Y_RESOLUTION)]
-            channels.append(
-                Channel(
-                    f"page {number + 1}" if image.n_frames > 1 else "height",
-                    image.size[::-1],
-                    partial(_read, path, number, line if function == _STRAIGHT_LINE else None),
-                    height_unit=stated.get("vunit") if function == _STRAIGHT_LINE else None,
-                    dx=steps[0] if is_length(unit) else None,
-                    dy=steps[1] if is_length(unit) else None,
-                    lateral_unit=unit if is_length(unit) else None,
-                )
-            )
+            name = f"page {number + 1}" if image.n_frames > 1 else "height"
+            values = partial(_read, path, number, line if function == _STRAIGHT_LINE else None)
+            channel = Channel(name, image.size[::-1], values, height_unit, lateral_unit=lateral_unit)
+            if lateral_unit:
+                channel.dx, channel.dy = (_step(image.tag_v2.get(tag)) for tag in _RESOLUTIONS)
+            channels.append(channel)
     with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
         return MeasuredFile("ImageJ TIFF", channels, "top", required_size=tiff_end(data))
 
@@ -83,7 +79,7 @@ def _step(resolution: Any) -> float | None:
     return 1 / float(resolution) if resolution and 0 < float(resolution) < np.inf else None
 
 
-def _read(path: Path, number: int, line: list[float] | None) -> np.ndarray:
+def _read(path: Path, number: int, line: tuple[float, float] | None) -> np.ndarray:
     """Return the values of one image."""
     from PIL.TiffImagePlugin import TiffImageFile
 

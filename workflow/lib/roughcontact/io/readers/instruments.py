@@ -5,8 +5,7 @@ To add one that the library reads, add a row to `io/formats.tsv`.
 
 from pathlib import Path
 
-from roughcontact.io.instruments.formats import marked
-from roughcontact.io.instruments.library import instrument_reader
+from roughcontact.io.instruments.library import instrument_reader, marked
 from roughcontact.io.interface import RecognisedBy
 from roughcontact.io.text.lines import is_text
 

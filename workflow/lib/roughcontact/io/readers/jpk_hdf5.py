@@ -5,7 +5,7 @@ row for each point (x fastest), a column for each frame, and ``net-encoder.scali
 quantity.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -48,18 +48,10 @@ def read(path: Path) -> MeasuredFile:
     hdf5.datasets(path)
     with hdf5.opened(path) as file:
         measurements = [file[name] for name in sorted(file) if name.startswith("Measurement_")]
-        groups = [
-            (measurement, measurement[name])
-            for measurement in measurements
-            for name in sorted(measurement)
-            if name.startswith("Channel_")
-        ]
-        groups.sort(key=lambda pair: _rank(pair[1]))
-        channels = [
-            channel
-            for measurement, group in groups
-            for channel in _frames(measurement, group, len(measurements) > 1, path)
-        ]
+        groups = [each[name] for each in measurements for name in sorted(each) if name.startswith("Channel_")]
+        groups.sort(key=_rank)
+        several = len(measurements) > 1
+        channels = [channel for group in groups for channel in _frames(group, several, path)]
         if not channels:
             raise InputFileError("this JPK file holds no map")
         metadata = {key: _stated(measurements[0], name) for key, name in _INSTRUMENT.items()}
@@ -74,8 +66,9 @@ def _rank(group: Any) -> int:
     return _HEIGHTS.index(quantity) if quantity in _HEIGHTS else len(_HEIGHTS)
 
 
-def _frames(measurement: Any, group: Any, several: bool, path: Path) -> Iterator[Channel]:
+def _frames(group: Any, several: bool, path: Path) -> Iterator[Channel]:
     """Yield a channel for each frame of a group, of a measurement that is named where there are several."""
+    measurement = group.parent
     grid = {key.removeprefix(_GRID): value for key, value in measurement.attrs.items()}
     nx, ny = int(grid["ilength"]), int(grid["jlength"])
     arrays = [name for name in group if name != "thumbnail"]
@@ -90,6 +83,7 @@ def _frames(measurement: Any, group: Any, several: bool, path: Path) -> Iterator
     scale = float(group.attrs[_SCALE + "multiplier"]), float(group.attrs[_SCALE + "offset"])
     direction = "retrace" if _stated(group, "retrace") == "true" else "trace"
     is_turned = abs(float(grid.get("theta", 0.0))) > 1e-3
+    no_topography = is_length(unit) and _rank(group) == len(_HEIGHTS)
     prefix = f"{measurement.name[1:]} " if several else ""
     label = prefix + _stated(group, "channel.fancy-name", _stated(group, "channel.name", array.name))
     frames = array.shape[1]
@@ -102,16 +96,12 @@ def _frames(measurement: Any, group: Any, several: bool, path: Path) -> Iterator
             dx=float(grid["ulength"]) / nx,
             dy=float(grid["vlength"]) / ny,
             lateral_unit=_stated(measurement, _GRID + "unit.unit", "m"),
-            no_height="by its name no topography"
-            if is_length(unit) and _rank(group) == len(_HEIGHTS)
-            else "",
+            no_height="by its name no topography" if no_topography else "",
             notes=[_TURNED] if is_turned else [],
         )
 
 
-def _read(
-    path: Path, name: str, frame: int, shape: tuple[int, int], scale: tuple[float, float]
-) -> np.ndarray:
+def _read(path: Path, name: str, frame: int, shape: tuple[int, int], scale: Sequence[float]) -> np.ndarray:
     """Return the values of one frame."""
     with hdf5.opened(path) as file:
         counts = file[name][:, frame]

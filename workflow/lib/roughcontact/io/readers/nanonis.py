@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, as_heights, counted_channels
+from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, counted_channels, stored_floats
 from roughcontact.io.guards import refusing
 from roughcontact.io.instrument_kinds import PROBE
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
@@ -22,6 +22,7 @@ from roughcontact.io.units import is_length
 
 _MARK = b":NANONIS_VERSION:"
 _END = b":SCANIT_END:"
+_ENTRY = re.compile(r"^:([^:\n]+):\r?\n(.*?)(?=^:|\Z)", re.DOTALL | re.MULTILINE)
 _START = b"\x1a\x04"  # of the images
 _MAX_HEADER_BYTES = 2**20
 _DIRECTIONS = {"both": ("forward", "backward"), "forward": ("forward",), "backward": ("backward",)}
@@ -34,9 +35,7 @@ def read(path: Path) -> MeasuredFile:
     if _START not in behind:
         raise InputFileError("the header of this Nanonis file has no end: it was cut off")
     start = len(text) + len(_END) + behind.index(_START) + len(_START)
-    entries = dict(
-        re.findall(r"^:([^:\n]+):\r?\n(.*?)(?=^:|\Z)", text.decode("latin-1"), re.DOTALL | re.MULTILINE)
-    )
+    entries = dict(_ENTRY.findall(text.decode("latin-1")))
     with refusing("looks like Nanonis SXM, but its header is damaged"):
         channels = counted_channels(_channels(entries, start, path))
         first_row = {"down": "top", "up": "bottom"}[entries["SCAN_DIR"].strip()]
@@ -57,6 +56,7 @@ def _channels(entries: dict[str, str], start: int, path: Path) -> Iterator[Chann
     names, *rows = (line.split("\t") for line in entries["DATA_INFO"].splitlines() if line.strip())
     for row in rows:
         entry = dict(zip(map(str.strip, names), map(str.strip, row), strict=True))
+        no_topography = is_length(entry["Unit"]) and NO_TOPOGRAPHY.search(entry["Name"])
         for direction in _DIRECTIONS[entry["Direction"].lower()]:
             yield Channel(
                 f"{entry['Name']} ({direction})",
@@ -66,16 +66,14 @@ def _channels(entries: dict[str, str], start: int, path: Path) -> Iterator[Chann
                 dx=length_x / nx,
                 dy=length_y / ny,
                 lateral_unit="m",
-                no_height="by its name no topography"
-                if is_length(entry["Unit"]) and NO_TOPOGRAPHY.search(entry["Name"])
-                else "",
+                no_height="by its name no topography" if no_topography else "",
             )
             start += 4 * nx * ny
 
 
 def _read(path: Path, start: int, shape: tuple[int, int], *, reverse: bool) -> np.ndarray:
     """Return the values of one image, NaN in lines that were not scanned."""
-    heights = as_heights(np.fromfile(path, ">f4", shape[0] * shape[1], offset=start).reshape(shape))
+    heights = stored_floats(path, ">f4", shape, start)
     return heights[:, ::-1].copy() if reverse else heights
 
 

@@ -3,8 +3,9 @@
 Row 0 is the line of the smallest y; without positions it is assumed to be the lowest one.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -32,6 +33,7 @@ from roughcontact.io.units import same_length
 
 _DAMAGED = "damaged or cut off netCDF file"
 _MAX_POSITIONS = MAX_POINTS // 4  # of all coordinates; copies are made of them
+_FIRST = ("height", "heights", "z")
 _ALONG = (["time"], ["peak"], ["sliding_distance"])  # numbers along these are no profile
 
 
@@ -47,7 +49,7 @@ def read(path: Path) -> MeasuredFile:
     arrays = hdf5.datasets(path) if head.startswith(hdf5.MARK) else {}
     with refusing(_DAMAGED), ExitStack() as after_failure:
         too_long = _oversized_variables(path)
-        dataset = after_failure.enter_context(_dataset(path, too_long))
+        dataset = after_failure.enter_context(_dataset(path, list(too_long)))
         channels = counted_channels(_channels(dataset))
         instrument = _instrument(dataset)
         names = sorted(map(str, dataset.variables))
@@ -55,20 +57,9 @@ def read(path: Path) -> MeasuredFile:
     channels += [oversized(name, shape) for name, shape in too_long.items()]
     if not channels:
         raise InputFileError(_no_map_message(arrays, names))
-    channels.sort(
-        key=lambda channel: (
-            channel.name.partition("[")[0] not in ("height", "heights", "z"),
-            bool(channel.doubt),
-        )
-    )
-    return MeasuredFile(
-        "netCDF",
-        channels,
-        first_row="bottom",
-        instrument=instrument,
-        required_size=required_size and required_size + seal_size,
-        close=dataset.close,
-    )
+    channels.sort(key=lambda channel: (channel.name.partition("[")[0] not in _FIRST, bool(channel.doubt)))
+    size = required_size and required_size + seal_size
+    return MeasuredFile("netCDF", channels, "bottom", instrument, required_size=size, close=dataset.close)
 
 
 def _channels(dataset: Any) -> Iterator[Channel]:
@@ -93,12 +84,12 @@ def _instrument(dataset: Any) -> dict[str, Any]:
     return instrument_metadata({}, dataset.attrs)
 
 
-def _dataset(path: Path, excluded: Iterable[str]) -> Any:
+def _dataset(path: Path, excluded: list[str]) -> Any:
     """Return a file as a dataset, which channels read from until `MeasuredFile.close`."""
     import xarray as xr
 
     options: Any = {"decode_times": False, "decode_timedelta": False, "cache": False}
-    return xr.open_dataset(path, engine="netcdf4", drop_variables=list(excluded), **options)
+    return xr.open_dataset(path, engine="netcdf4", drop_variables=excluded, **options)
 
 
 def _oversized_variables(path: Path) -> dict[str, tuple[int, ...]]:
@@ -122,37 +113,28 @@ def _oversized_variables(path: Path) -> dict[str, tuple[int, ...]]:
 def _no_map_message(arrays: dict[str, tuple[int, ...]], names: list[str]) -> str:
     """Return the error message for a file without a map."""
     if arrays:
-        listed = ", ".join(
-            f"{name} ({' x '.join(map(str, shape)) or '1'})" for name, shape in sorted(arrays.items())[:5]
-        )
-        remainder = f" and {len(arrays) - 5} more" if len(arrays) > 5 else ""
+        sizes = [f"{name} ({' x '.join(map(str, shape)) or '1'})" for name, shape in sorted(arrays.items())]
+        listing = ", ".join(sizes[:5]) + (f" and {len(sizes) - 5} more" if len(sizes) > 5 else "")
         return (
-            f"an HDF5 file, but neither netCDF nor one of Zygo's or JPK's, so that nothing says "
-            f"which of its arrays are heights; it has {listed}{remainder}; save the heights as .npy or netCDF"
+            "an HDF5 file, but neither netCDF nor one of Zygo's or JPK's, so that nothing says which of its "
+            f"arrays are heights; it has {listing}; save the heights as .npy or netCDF"
         )
     if not names:
         return "an empty netCDF or HDF5 file: it has no variable at all"
     return f"no variable over two axes (y, x) in this netCDF file; it has {', '.join(names)}"
 
 
-def _variable(
-    dataset: Any,
-    name: Any,
-    dims: tuple[str | None, str],
-    selection: dict[str, int],
-) -> Channel:
+def _variable(dataset: Any, name: Any, dims: tuple[str | None, str], selection: dict[str, int]) -> Channel:
     """Return one variable, at some index of its other axes, as a channel that is read on demand."""
     variable = dataset.variables[name]  # a DataArray of each would look through all others
-    label = str(name) + "".join(
-        f"[{axis}={index}]" for axis, index in selection.items() if variable.sizes[axis] > 1
-    )
+    counts = {axis: variable.sizes[axis] for axis in selection if variable.sizes[axis] > 1}
+    label = str(name) + "".join(f"[{axis}={selection[axis]}]" for axis in counts)
     y, x = dims
     shape = variable.sizes[y] if y else 1, variable.sizes[x]
     if prod(shape) > MAX_POINTS:
         return oversized(label, shape)
-    unit_x, unit_y = (
-        unit_of(dataset.variables[axis].attrs) if axis in dataset.coords else None for axis in (x, y)
-    )
+    units = {axis: unit_of(dataset.variables[axis].attrs) for axis in (x, y) if axis in dataset.coords}
+    unit_x, unit_y = units.get(x), units.get(y)
     if unit_x and unit_y and not same_length(unit_x, unit_y):
         raise InputFileError(f"the axes {x} and {y} have different units, {unit_x!r} and {unit_y!r}")
     positive_down = str(variable.attrs.get("positive", "")).lower() == "down"  # the CF convention for depths
@@ -160,38 +142,34 @@ def _variable(
     def read() -> np.ndarray:
         """Return the values over the axes, with the sign of heights."""
         with refusing(_DAMAGED):
-            selection_values = variable.isel(selection)
-            values = as_heights(selection_values.transpose(*filter(None, dims)).values)
+            values = as_heights(variable.isel(selection).transpose(*filter(None, dims)).values)
             low, high = _valid_range(name, variable)
             values[(values < low) | (values > high)] = np.nan
         return -values if positive_down else values
 
     channel = Channel(label, shape, read, unit_of(variable.attrs), lateral_unit=unit_x or unit_y)
-    positions = [
-        axis for axis in "xy" if axis in dataset and dataset.variables[axis].dims == variable.dims != (axis,)
-    ]
+    axes_in_file = [axis for axis in "xy" if axis in dataset]
+    positions = [axis for axis in axes_in_file if dataset.variables[axis].dims == variable.dims != (axis,)]
     if variable.dtype.kind not in "iuf":
         channel.no_height = f"values of type {variable.dtype}"
-        channel.read = unreadable(f"variable {name!r} holds {channel.no_height}, not real numbers")
-        return channel
-    counts = [variable.sizes[axis] for axis in selection if variable.sizes[axis] > 1]
-    if counts and not str(x).lower().startswith("x") and shape[1] < min(shape[0], counts[0]):
+        unread = f"variable {name!r} holds {channel.no_height}, not real numbers"
+    elif counts and not str(x).lower().startswith("x") and shape[1] < min(shape[0], *counts.values()):
         axes = ", ".join(map(str, variable.dims))
-        channel.doubt = f"nothing says which axes of {name!r} are those of a map: name two of {axes} y and x"
+        unread = f"nothing says which axes of {name!r} are those of a map: name two of {axes} y and x"
     elif positions and name not in positions:
-        channel.doubt = (
+        unread = (
             f"the positions {' and '.join(positions)} of {name!r} are variables over its axes; make "
             "them coordinates of a grid, or save the points as text x, y, z"
         )
-    if channel.doubt:
-        channel.read = unreadable(channel.doubt)
-        return channel
+    else:
+        unread = ""
+    if unread:
+        return replace(channel, read=unreadable(unread), doubt="" if channel.no_height else unread)
     if positive_down:
         channel.notes = [f"the file counts {name!r} positive downwards: its sign was changed"]
     along_x, along_y = _axis(dataset, x), _axis(dataset, y)
-    channel.first_x, channel.first_y = (
-        None if along is None else float(min(along[0], along[-1])) for along in (along_x, along_y)
-    )
+    channel.first_x = None if along_x is None else float(min(along_x[0], along_x[-1]))
+    channel.first_y = None if along_y is None else float(min(along_y[0], along_y[-1]))
     channel.first_row = "bottom" if along_y is None else ""  # assumed without positions
     return channel_on_grid(channel, along_x, along_y, (str(x), str(y)))
 
@@ -203,9 +181,8 @@ def _valid_range(name: Any, variable: Any) -> np.ndarray:
     """
     attrs, packing = variable.attrs, variable.encoding
     with refusing(f"the valid_range, valid_min or valid_max of {name!r} is no number"):
-        low, high = attrs.get(
-            "valid_range", (attrs.get("valid_min", -np.inf), attrs.get("valid_max", np.inf))
-        )
+        outer = attrs.get("valid_min", -np.inf), attrs.get("valid_max", np.inf)
+        low, high = attrs.get("valid_range", outer)
         limits = np.array([low, high], dtype=float)
     scale = packing.get("scale_factor", 1.0)
     if any(np.asarray(limit).dtype.kind in "iu" for limit in (low, high)):
@@ -219,12 +196,9 @@ def _maps(variable: Any) -> Iterator[tuple[tuple[str | None, str], dict[str, int
     An axis of one entry is none of a map, and so is one of loads or their peaks; of three axes the others
     than y and x, by their names or as the last two, count the maps.
     """
-    dims = list(variable.dims)
-    selection = {}
-    for axis in variable.dims:
-        if len(dims) > 2 and variable.sizes[axis] == 1:
-            dims.remove(axis)
-            selection[axis] = 0
+    several = max(0, variable.ndim - 2)
+    selection = dict.fromkeys([axis for axis in variable.dims if variable.sizes[axis] == 1][:several], 0)
+    dims = [axis for axis in variable.dims if axis not in selection]
     if len(dims) not in (1, 2, 3) or 0 in variable.shape or "load" in dims or dims in _ALONG:
         return
     if len(dims) == 1:

@@ -2,6 +2,7 @@
 
 import io
 import re
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -26,22 +27,11 @@ def read(path: Path) -> MeasuredFile:
     header = file.header
     if not header.z_scale or not np.isfinite(header.z_scale):
         raise InputFileError(f"Zscale = {header.z_scale}, the height of a count: correct it in the file")
-    instrument = instrument_metadata(
-        {
-            "vendor": header.manufacturer_id,
-            "acquisition_time": header.create_date,
-            "modified": header.mod_date,
-        }
-    )
-    channel = Channel(
-        name="height",
-        shape=file.data.shape,
-        read=lambda: as_heights(file.data),
-        height_unit="m",
-        dx=_step(header.x_scale),
-        dy=_step(header.y_scale) if file.data.shape[0] > 1 else None,
-        lateral_unit="m",
-    )
+    dates = {"acquisition_time": header.create_date, "modified": header.mod_date}
+    instrument = instrument_metadata({"vendor": header.manufacturer_id, **dates})
+    shape, dx, dy = file.data.shape, _step(header.x_scale), _step(header.y_scale)
+    dy = dy if shape[0] > 1 else None
+    channel = Channel("height", shape, partial(as_heights, file.data), "m", dx, dy, "m")
     # behind the heights of a binary file lies text or nothing
     trailer = file.trailer if isinstance(file.trailer, bytes) else str(file.trailer or "").encode()
     if any(mark in trailer for mark in _MARKS):

@@ -5,12 +5,13 @@ rows (32 bits), lengths and origins along x and y, and rows of 4-byte floats, li
 """
 
 import struct
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.channels import Channel, MeasuredFile, stored_floats
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
 
@@ -25,10 +26,8 @@ def read(path: Path) -> MeasuredFile:
     with path.open("rb") as stream:
         mark, *fields = stream.read(_MAX_HEADER_BYTES).split(b"\0", 2)
     if len(fields) < 2 or not mark.removeprefix(_MARK).strip().startswith(_VERSION):
-        raise InputFileError(
-            "looks like TrueMap TMD, but is damaged or of another version than 2.0; export the "
-            "map again, as X3P or SDF where the software can"
-        )
+        wrong = "looks like TrueMap TMD, but is damaged or of another version than 2.0"
+        raise InputFileError(f"{wrong}; export the map again, as X3P or SDF where the software can")
     if len(fields[1]) < _HEADER.size:
         raise InputFileError("the header of this TrueMap TMD is not whole: it was cut off")
     comment = fields[0].decode("latin-1").strip()
@@ -38,18 +37,10 @@ def read(path: Path) -> MeasuredFile:
         raise InputFileError(
             f"looks like TrueMap TMD, but is damaged ({nx} x {ny} points on {length_x:g} x {length_y:g} mm)"
         )
-    channel = Channel(
-        "Default",
-        (ny, nx),
-        lambda: as_heights(np.fromfile(path, "<f4", nx * ny, offset=start).reshape(ny, nx)),
-        height_unit="mm",
-        dx=length_x / nx,
-        dy=length_y / ny,
-        lateral_unit="mm",
-    )
-    instrument = instrument_metadata(
-        {"vendor": "TrueMap" if "TrueMap" in comment else "", "comment": comment}
-    )
+    read_floats = partial(stored_floats, path, "<f4", (ny, nx), start)
+    channel = Channel("Default", (ny, nx), read_floats, "mm", length_x / nx, length_y / ny, "mm")
+    vendor = "TrueMap" if "TrueMap" in comment else ""
+    instrument = instrument_metadata({"vendor": vendor, "comment": comment})
     return MeasuredFile("TrueMap TMD", [channel], "top", instrument, required_size=start + 4 * nx * ny)
 
 

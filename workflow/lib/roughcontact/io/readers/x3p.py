@@ -14,6 +14,7 @@ from roughcontact.io import instrument_kinds
 from roughcontact.io.channels import (
     Channel,
     MeasuredFile,
+    Positions,
     UnevenPositionsError,
     as_heights,
     channel_on_grid,
@@ -44,29 +45,17 @@ def read(path: Path) -> MeasuredFile:
         with zipfile.ZipFile(path) as archive:
             main = archive.read(name)
         _check_claimed_size(main)
-        stale = ""
         try:
-            file = x3pio.read(_normalised_archive(path, name, main))
+            file, stale = x3pio.read(_normalised_archive(path, name, main)), ""
         except x3pio.X3pChecksumError as error:
             file, stale = x3pio.read(_normalised_archive(path, name, main), verify=False), brief(error)
     channels = _channels(file, main)
     for channel in channels:
         channel.notes += _rotation_notes(file.placement)
-    return MeasuredFile(
-        format="X3P (ISO 25178-72)",
-        channels=channels,
-        first_row="top" if _starts_at_top(main, file) else "bottom",
-        instrument=_instrument(file.metadata),
-        stale=stale,
-    )
-
-
-def _starts_at_top(main: bytes, file: Any) -> bool:
-    """Return whether the first line is the upper one: <Origin>NW</Origin>, as x3ptools writes it.
-
-    Where the increment along y is negative the lines are in rising order by then.
-    """
-    return re.search(rb"<Origin>\s*N[WE]\s*</Origin>", main) is not None and not file.header.y.increment < 0
+    # <Origin>NW</Origin>, as x3ptools writes it; by a negative increment the lines are in rising order now
+    at_top = re.search(rb"<Origin>\s*N[WE]\s*</Origin>", main) and not file.header.y.increment < 0
+    first_row, instrument = "top" if at_top else "bottom", _instrument(file.metadata)
+    return MeasuredFile("X3P (ISO 25178-72)", channels, first_row, instrument, stale=stale)
 
 
 def _main_xmls(path: Path) -> list[str]:
@@ -127,28 +116,23 @@ def _channels(file: Any, main: bytes) -> list[Channel]:
         error = UnevenPositionsError("this X3P file holds a point cloud, not a map")
         channel = Channel("height", (1, 1), unreadable(str(error)), "m", lateral_unit="m")
         return [scattered(channel, cloud.x, cloud.y, cloud.z, error)]
-    several = len(file.layers) > 1
-    return [
-        _channel(file, main, layer, f"layer {number}" if several else "height")
-        for number, layer in enumerate(file.layers, 1)
-    ]
+    count = len(file.layers)
+    names = [f"layer {number}" for number in range(1, count + 1)] if count > 1 else ["height"]
+    return [_channel(file, main, layer, name) for layer, name in zip(file.layers, names, strict=True)]
 
 
 def _channel(file: Any, main: bytes, layer: Any, name: str) -> Channel:
     """Return one layer; a negative increment counts the columns or rows backwards."""
     z = np.atleast_2d(layer.z)
     channel = Channel(name, z.shape, partial(as_heights, z), "m", lateral_unit="m")
-    x, y = (
-        _increment(file, main, axis)
-        if (positions := getattr(layer, axis)) is None
-        else np.asarray(positions, dtype=float).reshape(z.shape)
-        for axis in ("x", "y")
-    )
+    x, y = (_positions(file, main, layer, axis) for axis in "xy")
     return channel_on_grid(channel, x, y if z.shape[0] > 1 else None)
 
 
-def _increment(file: Any, main: bytes, axis: str) -> float | None:
-    """Return the step along an axis, None where the file does not state it (x3pio then has 1 m)."""
+def _positions(file: Any, main: bytes, layer: Any, axis: str) -> Positions:
+    """Return the positions along an axis, or its step; None without either (x3pio then has 1 m)."""
+    if (positions := getattr(layer, axis)) is not None:
+        return np.asarray(positions, dtype=float).reshape(np.atleast_2d(layer.z).shape)
     name = axis.upper().encode()
     increment = re.search(rb"C%s>(?:(?!</(?:\w+:)?C).)*Increment>" % name, main, re.DOTALL)
     return float(getattr(file.header, axis).increment) if increment else None

@@ -33,10 +33,8 @@ def read(path: Path) -> MeasuredFile:
         x, y = np.array([point[:2] for point in points], dtype=int).T
         heights = np.full((ny, nx), np.nan)
         heights[y - y.min(), x - x.min()] = [float("nan" if z == "No" else z) for _, _, z in points]
-    channel = Channel("height", (ny, nx), heights.copy, height_unit="um")
-    if pixel > 0:
-        channel.dx = channel.dy = pixel
-        channel.lateral_unit = "m"
+    side, unit = (pixel, "m") if pixel > 0 else (None, None)
+    channel = Channel("height", (ny, nx), heights.copy, "um", side, side, unit)
     return MeasuredFile("Zygo XYZ", [channel], "bottom", {"kind": OPTICAL.name, "vendor": "Zygo"})
 
 
