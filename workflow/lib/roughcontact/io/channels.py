@@ -271,7 +271,7 @@ def channel_on_grid(
             raise InputFileError(f"{error}, and the other axis has no positions") from error
         along_x = _expand_positions(x, channel.shape, 1)
         along_y = None if y is None else _expand_positions(y, channel.shape, 0)
-        return scattered(channel, along_x, along_y, channel.read(), error)
+        return scattered(channel, along_x, along_y, channel.read(), str(error))
     read = channel.read
     orientation = np.s_[:: -1 if (dy or 0) < 0 else 1, :: -1 if (dx or 0) < 0 else 1]
     return replace(channel, dx=dx and abs(dx), dy=dy and abs(dy), read=lambda: np.array(read()[orientation]))
@@ -297,15 +297,13 @@ def _expand_positions(positions: np.ndarray | float, shape: tuple[int, int], axi
     return np.broadcast_to(positions[:, None] if positions.ndim == 1 and axis == 0 else positions, shape)
 
 
-def scattered(
-    channel: Channel, x: ArrayLike, y: ArrayLike | None, z: ArrayLike, error: UnevenPositionsError
-) -> Channel:
+def scattered(channel: Channel, x: ArrayLike, y: ArrayLike | None, z: ArrayLike, uneven: str) -> Channel:
     """Return a channel with points (x, y, z; y None for a profile) that can be read only by resampling.
 
-    Points without a height are left out.
+    Points without a height are left out; `uneven` says why they form no even grid.
     """
     columns = [np.asarray(series, dtype=float).ravel() for series in (x, z, *(() if y is None else (y,)))]
     is_finite = np.isfinite(columns).all(axis=0)
     along_x, heights, *along_y = (column[is_finite] for column in columns)
-    points = Points(along_x, along_y[0] if along_y else None, heights, str(error))
+    points = Points(along_x, along_y[0] if along_y else None, heights, uneven)
     return replace(channel, shape=(1, heights.size), read=heights[None, :].copy, points=points)

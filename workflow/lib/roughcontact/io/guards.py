@@ -90,7 +90,7 @@ def refusing(message: str, way_out: str = "") -> Iterator[None]:
 
 
 def check_file(path: Path) -> None:
-    """Refuse a path that is no regular file, and a file that is empty or larger than 4 GiB."""
+    """Refuse a path that is no regular file, and a file that is empty, too large, or a ZIP bomb."""
     if len(name := str(path)) > _MAX_PATH_LENGTH or max(map(len, path.parts), default=0) > _MAX_NAME_LENGTH:
         wrong = f"{name[:60]}...: a path of {len(name)} characters, longer than any file's"
         raise InputFileError(f"{wrong}; check the path")
@@ -112,6 +112,7 @@ def check_file(path: Path) -> None:
         raise InputFileError(
             f"{status.st_size} bytes, more than the {MAX_FILE_BYTES} that are read; crop the map"
         )
+    _check_archive(path)
 
 
 def sha256(path: Path) -> str:
@@ -222,7 +223,7 @@ def check_line_ends(path: Path) -> None:
         )
 
 
-def check_archive(path: Path) -> None:
+def _check_archive(path: Path) -> None:
     """Refuse a ZIP archive that unpacks to more than 1 GiB or whose XML declares entities (expansion bombs).
 
     Any document type declaration is refused: no instrument format needs one. Other files pass.

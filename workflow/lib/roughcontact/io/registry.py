@@ -6,7 +6,6 @@ from pkgutil import iter_modules
 
 from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.guards import (
-    check_archive,
     check_file,
     check_line_ends,
     check_memory,
@@ -43,7 +42,6 @@ def open_file(path: Path) -> MeasuredFile:
     """Open a measured file of any format, checked and recognised; its channels are in its own units."""
     with naming(path):
         check_file(path)
-        check_archive(path)
         reader, size = recognised(path)[1], path.stat().st_size
         check_memory(size * reader.memory_per_byte, f"{size} bytes of this format")
         if reader.binary:

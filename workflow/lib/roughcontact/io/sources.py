@@ -22,15 +22,7 @@ from roughcontact.io.units import is_length, metres
 from roughcontact.io.vocabulary import pattern, words
 
 #: Column of the table -> what it states.
-THINGS = {
-    "dx": "step along x",
-    "dy": "step along y",
-    "unit": "their unit",
-    "height_unit": "unit of heights",
-    "sign": "sign",
-    "missing_value": "missing points",
-    "first_row": "first row",
-}
+THINGS = {column: names[0] for column, names in words("thing").items()}
 _SAYS = {matter: pattern("aside", matter) for matter in words("aside")}
 _NO_HEIGHTS = re.compile(
     rf"(?:data|signal|type|image|quantity)\W*[:=]\W*(?:{NO_TOPOGRAPHY.pattern})", re.IGNORECASE

@@ -19,15 +19,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
-from roughcontact.io.channels import (
-    NO_TOPOGRAPHY,
-    Channel,
-    MeasuredFile,
-    UnevenPositionsError,
-    as_heights,
-    scattered,
-    unreadable,
-)
+from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, as_heights, scattered, unreadable
 from roughcontact.io.guards import brief, check_points
 from roughcontact.io.instruments import containers
 from roughcontact.io.instruments.rules import INVERTED, RULES, Header, Rules
@@ -197,7 +189,7 @@ def _channel(info: Any, file_format: Format) -> Channel:
         channel.lateral_unit = topography.unit
         channel.height_unit = topography.unit if is_length(unit) else unit
     if not topography.is_uniform:
-        uneven = UnevenPositionsError("the positions along x are not evenly spaced")
+        uneven = "the positions along x are not evenly spaced"
         return scattered(channel, topography.positions(), None, values, uneven)
     heights = as_heights(values)
     if topography.dim == 2:

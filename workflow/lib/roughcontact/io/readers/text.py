@@ -27,20 +27,12 @@ from roughcontact.io.channels import (
 )
 from roughcontact.io.guards import listed
 from roughcontact.io.interface import Reader, RecognisedBy
-from roughcontact.io.metadata import instrument_metadata
+from roughcontact.io.metadata import LABELS, instrument_metadata
 from roughcontact.io.sources import parse_lengths
 from roughcontact.io.text.axes import are_points, begins_anew, find_axes, form_a_grid, uneven, wrapped
 from roughcontact.io.text.columns import Column, are_map_columns, headed, layout, miscounted, unit_of_heights
 from roughcontact.io.text.doubts import refuse_lost_row, thousands
-from roughcontact.io.text.header import (
-    INSTRUMENT,
-    LENGTHS,
-    Stated,
-    Statement,
-    contradiction,
-    disagreeing,
-    statements,
-)
+from roughcontact.io.text.header import LENGTHS, Stated, Statement, contradiction, disagreeing, statements
 from roughcontact.io.text.lines import looks_like_text
 from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import Dialect, Rows, Table, left_out, parse_table, read_tables
@@ -103,7 +95,7 @@ def read(path: Path) -> MeasuredFile:
         files[-1].warnings += texts[-1].doubts
     file = files[0] if len(files) == 1 else _together(texts, files)
     file.warnings += notes
-    file.instrument = instrument_metadata({key: texts[0].stated.first(key) for key in INSTRUMENT})
+    file.instrument = instrument_metadata({key: texts[0].stated.first(key) for key in LABELS})
     return file
 
 
@@ -522,7 +514,7 @@ def _trace(channel: Channel, x: np.ndarray, text: _Text) -> Channel:
     except UnevenPositionsError as error:
         channel.dx = rounded_step(x)
         if channel.dx is None:
-            return replace(scattered(channel, x, None, heights, error), otherwise=_as_matrix(text))
+            return replace(scattered(channel, x, None, heights, str(error)), otherwise=_as_matrix(text))
         channel.notes.append(
             "the positions are even up to the rounding of their last digit in the file, and taken as even"
         )
@@ -556,7 +548,7 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
                 f"{error}; name the columns in a line above them, as x, z1, z2, or delete the first one if "
                 "it counts the rows"
             ) from error
-        channel = replace(scattered(channel, x, y, z, error), otherwise=_as_matrix(text))
+        channel = replace(scattered(channel, x, y, z, str(error)), otherwise=_as_matrix(text))
     except InputFileError as error:
         channel = _matrix_instead(str(error), text)
     return MeasuredFile("text list of points (x, y, z)", [channel], first_row="bottom")

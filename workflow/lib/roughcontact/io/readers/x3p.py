@@ -11,16 +11,7 @@ from typing import Any
 import numpy as np
 
 from roughcontact.io import instrument_kinds
-from roughcontact.io.channels import (
-    Channel,
-    MeasuredFile,
-    Positions,
-    UnevenPositionsError,
-    as_heights,
-    channel_on_grid,
-    scattered,
-    unreadable,
-)
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, channel_on_grid, scattered, unreadable
 from roughcontact.io.guards import brief, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
@@ -113,9 +104,9 @@ def _channels(file: Any, main: bytes) -> list[Channel]:
 
     if isinstance(file, x3pio.PointCloud):
         cloud: Any = file.layer
-        error = UnevenPositionsError("this X3P file holds a point cloud, not a map")
-        channel = Channel("height", (1, 1), unreadable(str(error)), "m", lateral_unit="m")
-        return [scattered(channel, cloud.x, cloud.y, cloud.z, error)]
+        uneven = "this X3P file holds a point cloud, not a map"
+        channel = Channel("height", (1, 1), unreadable(uneven), "m", lateral_unit="m")
+        return [scattered(channel, cloud.x, cloud.y, cloud.z, uneven)]
     count = len(file.layers)
     names = [f"layer {number}" for number in range(1, count + 1)] if count > 1 else ["height"]
     return [_channel(file, main, layer, name) for layer, name in zip(file.layers, names, strict=True)]
@@ -129,7 +120,7 @@ def _channel(file: Any, main: bytes, layer: Any, name: str) -> Channel:
     return channel_on_grid(channel, x, y if z.shape[0] > 1 else None)
 
 
-def _positions(file: Any, main: bytes, layer: Any, axis: str) -> Positions:
+def _positions(file: Any, main: bytes, layer: Any, axis: str) -> np.ndarray | float | None:
     """Return the positions along an axis, or its step; None without either (x3pio then has 1 m)."""
     if (positions := getattr(layer, axis)) is not None:
         return np.asarray(positions, dtype=float).reshape(np.atleast_2d(layer.z).shape)

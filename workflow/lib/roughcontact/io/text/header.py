@@ -16,12 +16,12 @@ from roughcontact.io.vocabulary import meanings, words
 _MAX_LINE_LENGTH = 4096  # characters; longer lines contain no metadata
 _MAX_LINES = 100_000  # lines
 
-INSTRUMENT = ("name", "serial", "lens", "acquisition_time")  # keys of `roughcontact.io.metadata`
+_INSTRUMENT = ("name", "serial", "lens", "acquisition_time")  # keys of `roughcontact.io.metadata`
 # those with a text as value
-_TEXT_ENTRIES = ("channel", "height_unit", "lateral_unit", "unit", *INSTRUMENT)
+_TEXT_ENTRIES = ("channel", "height_unit", "lateral_unit", "unit", *_INSTRUMENT)
 LENGTHS = ("length_x", "length_y", "length", "dx", "dy", "step", "size")
 _COUNTS = ("nx", "ny", "count")
-_REPEATED = ("channel", "missing", "height_range", "count", "length", *INSTRUMENT)
+_REPEATED = ("channel", "missing", "height_range", "count", "length", *_INSTRUMENT)
 _UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: counts to nanometres
 # entries with two values in one line: meanings of these as lengths, as pixels, and without a unit
 _TWO_VALUES = {
