@@ -61,9 +61,8 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
     numbers = channel.read()
     for marker in _USUAL_MARKERS if request.missing_value is None else ():
         if (count := np.count_nonzero(numbers == marker)) > 1:
-            notes.append(
-                f"{count} points are {marker:g}: if that marks missing points, missing_value states it"
-            )
+            missing = "if that marks missing points, missing_value states it"
+            notes.append(f"{count} points are {marker:g}: {missing}")
     if axes := find_axes(numbers):
         notes.append(axes.note.replace("is taken as", "may be").replace(", and left out", ""))
     with np.errstate(over="ignore"):  # infinite heights are refused below

@@ -127,7 +127,5 @@ def _check_array(array: "h5py.Dataset") -> None:
 
 def _outside(description: str) -> InputFileError:
     """Return the error for a file with data in other files."""
-    return InputFileError(
-        f"{description}, which is refused: any file of this computer would be read as heights; copy "
-        "the numbers into one file"
-    )
+    reason = "any file of this computer would be read as heights"
+    return InputFileError(f"{description}, which is refused: {reason}; copy the numbers into one file")

@@ -4,15 +4,8 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
 
+from roughcontact.io import guards
 from roughcontact.io.channels import MeasuredFile
-from roughcontact.io.guards import (
-    check_file,
-    check_line_ends,
-    check_memory,
-    check_points,
-    compare_size,
-    naming,
-)
 from roughcontact.io.interface import Reader, read_head
 
 _READERS = "roughcontact.io.readers"
@@ -40,17 +33,17 @@ def recognised(path: Path) -> tuple[str, Reader]:
 
 def open_file(path: Path) -> MeasuredFile:
     """Open a measured file of any format, checked and recognised; its channels are in its own units."""
-    with naming(path):
-        check_file(path)
+    with guards.naming(path):
+        guards.check_file(path)
         reader, size = recognised(path)[1], path.stat().st_size
-        check_memory(size * reader.memory_per_byte, f"{size} bytes of this format")
+        guards.check_memory(size * reader.memory_per_byte, f"{size} bytes of this format")
         if reader.binary:
-            check_line_ends(path)
+            guards.check_line_ends(path)
         file = reader.read(path)
         for channel in file.channels:
             if not channel.doubt:
-                check_points(channel.shape)
+                guards.check_points(channel.shape)
         if file.required_size is not None and not file.stale:
-            file.stale, notes = compare_size(path, file.required_size)
+            file.stale, notes = guards.compare_size(path, file.required_size)
             file.warnings += notes
     return file

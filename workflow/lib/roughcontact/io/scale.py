@@ -134,9 +134,8 @@ def _height_factor(channel: Channel, request: Request, steps: tuple[float, float
             "the table of surfaces or as an argument",
             keys=["height_unit"],
         )
-    notes.append(
-        f"the file does not say the unit of its heights: they are taken in {request.unit}, as x and y"
-    )
+    unsaid = "the file does not say the unit of its heights"
+    notes.append(f"{unsaid}: they are taken in {request.unit}, as x and y")
     return metres(request.unit, where="unit", error=SettingsError)
 
 

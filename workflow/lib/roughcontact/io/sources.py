@@ -93,7 +93,7 @@ def open_lines(channel: Channel, request: Request) -> Iterator[tuple[str, list[L
     exempt = ignored_lines(request)
     for number, text in channel.unused:
         lengths = parse_lengths(text)
-        if lengths and number not in exempt and not _is_elsewhere(text):
+        if lengths and number not in exempt and "elsewhere" not in _matters(text):
             yield f"line {number} says {text!r}", lengths
 
 
@@ -113,17 +113,10 @@ def says_another_unit(channel: Channel, request: Request, lengths_used: Sequence
     )
 
 
-def _is_factor(text: str, values: Sequence[float]) -> bool:
-    """Return whether a line says a factor of the heights, in numbers or in words."""
-    return bool(
-        _SAYS["fraction"].search(text)
-        or (_SAYS["factor"].search(text) and values and values[-1] not in (0, 1))
-    )
-
-
-def _is_elsewhere(text: str) -> bool:
-    """Return whether the lengths of a line are those of the lens, the tip, the specimen or the like."""
-    return bool(_SAYS["elsewhere"].search(text) or CAMERA.search(text))
+def _matters(text: str) -> set[str]:
+    """Return what a line may concern; `elsewhere`: the lens, the tip, the specimen or the like."""
+    matters = {matter for matter, says in _SAYS.items() if says.search(text)}
+    return matters | ({"elsewhere"} if CAMERA.search(text) else set())
 
 
 def sources(file: MeasuredFile, channel: Channel, request: Request) -> dict[str, str]:
@@ -183,30 +176,32 @@ def lines_not_used(
         if number in exempt:
             continue
         unless = f", or ignore_lines = {number} where it does not concern the map"
-        used = sides if _SAYS["step"].search(text) else lengths_used
+        matters = _matters(text)
+        used = sides if "step" in matters else lengths_used
         strange = [length for length in lengths if length.value == length.value and not length.agrees(used)]
-        strange = [] if _is_elsewhere(text) else strange
+        strange = [] if "elsewhere" in matters else strange
+        is_factor = "factor" in matters and bool(values) and values[-1] not in (0, 1)
         counts = _COUNTS.search(text)
         strange_points = counts is not None and {*map(int, counts.groups())} != {nx, ny}
         check = ""
-        if values and _SAYS["marker"].search(text) and (count := int(np.sum(finite == values[-1]))):
+        if values and "marker" in matters and (count := int(np.sum(finite == values[-1]))):
             points = f"{'is' if count == 1 else 'are'} {counted_noun(count, 'point')} with that height"
             check = f"and there {points}: if missing, give missing_value"
-        elif (_SAYS["turned"].search(text) or _NO_HEIGHTS.search(text)) and not _DENIED.search(text):
+        elif ("turned" in matters or _NO_HEIGHTS.search(text)) and not _DENIED.search(text):
             check = "which is not used: check first_row, the sign, and whether these are heights"
-        elif is_integer and (_is_factor(text, values) or (strange and not _SAYS["step"].search(text))):
+        elif is_integer and (is_factor or "fraction" in matters or (strange and "step" not in matters)):
             raise InputFileError(
                 f"{where}, and all heights are whole numbers, as counts are: state it as 'Z factor', with "
                 f"the unit of the products{unless}",
-                keys=["ignore_lines"] if unless else [],
+                keys=["ignore_lines"],
             )
-        elif stated_above and (strange or strange_points) and _SAYS["step"].search(text):
+        elif stated_above and (strange or strange_points) and "step" in matters:
             raise InputFileError(
                 f"{where}, which does not agree with steps of {quantity(dx, 'm')} and {quantity(dy, 'm')}: "
                 f"give dx, dy and unit{unless}",
-                keys=["dx", "dy", "unit", *(["ignore_lines"] if unless else [])],
+                keys=["dx", "dy", "unit", "ignore_lines"],
             )
-        elif _SAYS["pixels"].search(text) and any(value != 1 for value in values):
+        elif "pixels" in matters and any(value != 1 for value in values):
             check = "which is not used: check the steps dx and dy"
         elif stated_above and (strange or strange_points):
             check = "which is not used: check the steps dx and dy, and the units"

@@ -162,12 +162,8 @@ def _unused(
     rows: Rows, by_meaning: Stated, columns: list[Column] | None, delimiter: str | None
 ) -> list[tuple[int, str]]:
     """Return the lines above a table, with their numbers, that are no statement and name no columns."""
-    used = Counter(
-        statement.line
-        for meaning, group in by_meaning.items()
-        for statement in group
-        if meaning not in ("length", "size")
-    )
+    groups = (group for meaning, group in by_meaning.items() if meaning not in ("length", "size"))
+    used = Counter(statement.line for group in groups for statement in group)
     return [
         (number, line.strip()[:_LONGEST_QUOTE])
         for number, line in rows.filled[:_MAX_LINES]
