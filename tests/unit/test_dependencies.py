@@ -114,6 +114,16 @@ def test_an_edit_of_what_all_share_concerns_all(package, edited):
     assert all(digests_before[name] != digests_after[name] for name in digests_before)
 
 
+@pytest.mark.parametrize("reader", ["readers/digital_surf.py", "instruments/library.py"])
+def test_a_table_in_the_folder_above_concerns_the_module_that_names_it(package, reader):
+    folder = package / "lib/roughcontact/io"
+    digest = dependencies.source_digest(folder / reader)
+    table = folder / ("digital_surf.tsv" if "digital" in reader else "formats.tsv")
+    table.write_bytes(table.read_bytes() + b"\n")
+    forget()
+    assert dependencies.source_digest(folder / reader) != digest
+
+
 def test_a_reader_concerns_the_files_that_it_reads(package, monkeypatch, tmp_path):
     monkeypatch.setattr(readers, "PACKAGE", dependencies.PACKAGE)
     monkeypatch.chdir(tmp_path)

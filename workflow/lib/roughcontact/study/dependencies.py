@@ -75,7 +75,7 @@ def _listed(text: str) -> list[str]:
 
 
 def _named(text: str, folder_of_module: Path) -> list[Path]:
-    """Return the files that a string names: data beside its module, or a folder of the package.
+    """Return the files that a string names: data beside its module, or above, or a folder of the package.
 
     A folder is named by a string where its modules are found at run time, so that all of them are imported.
     """
@@ -86,8 +86,9 @@ def _named(text: str, folder_of_module: Path) -> list[Path]:
             if text in _folders(folder_of_module)
             else []
         )
-    if (folder_of_module / text).is_file():
-        return [folder_of_module / text]
+    places = folder_of_module / text, folder_of_module.parent / text
+    if found := [place for place in places if place.is_file()]:
+        return found[:1]
     if head != PACKAGE.name or text == READERS or not all(name.isidentifier() for name in names):
         return []
     folder = PACKAGE.joinpath(*names)
