@@ -86,7 +86,8 @@ def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> Se
         above, key = detail["loc"][:-1], detail["input"]
         hint = nearest(key, fields_at(above))
         return SettingsError(f"{_dotted(above) or 'the settings'}: the key {key!r} is no text, {hint}")
-    return named(case, overrides, detail["loc"], reason(detail))
+    location = tuple(part for part in detail["loc"] if part != "[key]")  # of a time that is a key
+    return named(case, overrides, location, reason(detail))
 
 
 def named(case: str, overrides: Mapping[str, Any], location: Sequence[str | int], text: str) -> SettingsError:
