@@ -9,8 +9,8 @@ import numpy as np
 
 import roughcontact as rc
 from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.evaluation.running_in import worn_in_a_run
 from roughcontact.report.figures import new_figure
-from roughcontact.uncertainty.running_in import worn_in_a_run
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = {

@@ -5,9 +5,9 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.arguments.quantities import number
+from roughcontact.evaluation.running_in import ANSWERS, worn_in_a_run
 from roughcontact.report.wear import wear_of
 from roughcontact.results.storage import write_dataset
-from roughcontact.uncertainty.running_in import ANSWERS, worn_in_a_run
 from roughcontact.uncertainty.scales import to_scale
 
 LOAD, WEAR = 5e6, 1e-15

@@ -7,10 +7,10 @@ import pytest
 import roughcontact as rc
 from roughcontact.arguments.answers import FRICTION
 from roughcontact.arguments.quantities import number
+from roughcontact.evaluation.sliding import ANSWERS, slid_in_a_run
 from roughcontact.report.sliding import sliding_section
 from roughcontact.results.storage import write_dataset
 from roughcontact.uncertainty.scales import to_scale
-from roughcontact.uncertainty.sliding import ANSWERS, slid_in_a_run
 
 LOAD, SPEEDS = 5e4, [1e-3, 1e-2, 1e-1]
 

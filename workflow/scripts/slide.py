@@ -2,8 +2,8 @@
 
 from _job import save, snakemake
 
+from roughcontact.evaluation.sliding import slid_in_a_run
 from roughcontact.results.storage import opened_dataset, read_dataset
-from roughcontact.uncertainty.sliding import slid_in_a_run
 
 paths, settings = snakemake.input, snakemake.params.settings["sliding"]
 window = read_dataset(paths.window)["height"]

@@ -2,8 +2,8 @@
 
 from _job import save, snakemake
 
+from roughcontact.evaluation.running_in import worn_in_a_run
 from roughcontact.results.storage import opened_dataset, read_dataset
-from roughcontact.uncertainty.running_in import worn_in_a_run
 
 paths, settings = snakemake.input, snakemake.params.settings["worn"]
 window = read_dataset(paths.window)["height"]

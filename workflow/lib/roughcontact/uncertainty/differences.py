@@ -413,8 +413,8 @@ def _what_decides(comparison: _Compared, index: tuple[int, ...], relevant: float
 
 def _names(first: xr.Dataset, second: xr.Dataset) -> list[str]:
     """Return the quantities of both that have ratios."""
-    both = set(first) & set(second) - set(CONSTRICTIONS)
-    return [name for name in headline_names(first) if name in both]
+    names = headline_names(first)
+    return [name for name in names if name in headline_names(second) and name not in CONSTRICTIONS]
 
 
 def _scaled_numbers(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

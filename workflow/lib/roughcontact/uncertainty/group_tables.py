@@ -8,10 +8,11 @@ import pandas as pd
 import xarray as xr
 
 from roughcontact.arguments.measurement import json_attribute, json_attributes
+from roughcontact.statistics.allowed import ENDS
 from roughcontact.uncertainty.headline import headline_names
 
-_ENDS = ("lower", "upper", "next_lower", "next_upper", "next_part_lower", "next_part_upper")
-_COMPARED = ("ratio", "ratio_lower", "ratio_upper", "p_value", "outcome")
+_ENDINGS = ("", *(f"{key}{end}" for key in ("", "_next", "_next_part") for end in ENDS[1:]))
+_COMPARED = (*(f"ratio{end}" for end in ENDS), "p_value", "outcome")
 
 
 class NamedGroup(NamedTuple):
@@ -44,9 +45,7 @@ def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
     """
     names = list(dict.fromkeys(group.name for group in groups))
     cases = list(dict.fromkeys(group.case for group in groups)) or [None]
-    sizes = {"load": 0, "map": 0}
-    for group in groups:
-        sizes = {dim: max(size, group.answer.sizes[dim]) for dim, size in sizes.items()}
+    sizes = {dim: max((group.answer.sizes[dim] for group in groups), default=0) for dim in ("load", "map")}
     columns: dict[str, tuple[tuple[str, ...], np.ndarray]] = {}
     remarks: dict[str, dict[str, list[str]]] = {case or "": {} for case in cases}
     for group in groups:
@@ -82,11 +81,7 @@ def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
     for name, case, answer, _ in groups:
         head: dict[str, Any] = {} if case is None else {"case": case}
         head |= {"group": name, "maps": answer.sizes["map"], "parts": len(set(answer["part"].values))}
-        names = [
-            column
-            for quantity in _quantities(answer)
-            for column in (quantity, *(f"{quantity}_{bound}" for bound in _ENDS))
-        ]
+        names = [f"{quantity}{ending}" for quantity in headline_names(answer) for ending in _ENDINGS]
         rows += [
             head | {"mean_pressure_Pa": load} | {column: answer[column].values[index] for column in names}
             for index, load in enumerate(answer["mean_pressure"].values)
@@ -104,8 +99,3 @@ def comparisons_table(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> pd.D
         for column, load in enumerate(comparison["mean_pressure"].values)
     ]
     return pd.DataFrame(rows, columns=["first", "second", "quantity", "mean_pressure_Pa", *_COMPARED])
-
-
-def _quantities(answer: xr.Dataset) -> list[str]:
-    """Return the quantities that a group has."""
-    return [name for name in headline_names(answer) if name in answer]

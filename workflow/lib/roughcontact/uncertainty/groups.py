@@ -218,7 +218,7 @@ def _content(dataset: xr.Dataset) -> str:
     """Return a digest of the numbers of a map, to nine digits; empty where its rms height is not known."""
     if "rms_height" not in dataset:
         return ""
-    names = ["rms_height", "mean_pressure", *(name for name in headline_names(dataset) if name in dataset)]
+    names = ["rms_height", "mean_pressure", *headline_names(dataset)]
     digits = " ".join(f"{value:.8e}" for name in names for value in dataset[name].values.flat)
     return hashlib.sha256(digits.encode()).hexdigest()[:16]
 

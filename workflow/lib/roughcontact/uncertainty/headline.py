@@ -56,8 +56,8 @@ def headline_values(
 
 
 def headline_names(dataset: Container[Any]) -> tuple[str, ...]:
-    """Return the names of the headline quantities, and of the answers that a dataset contains."""
-    return *QUANTITIES, *(name for name in ANSWERS if name in dataset)
+    """Return the names of the headline quantities and the answers that a dataset contains."""
+    return tuple(name for name in (*QUANTITIES, *ANSWERS) if name in dataset)
 
 
 def iterate_fields(contact: xr.Dataset) -> Iterator[tuple[np.ndarray, np.ndarray]]:

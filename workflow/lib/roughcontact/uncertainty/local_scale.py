@@ -19,6 +19,7 @@ from roughcontact.arguments.ranges import ends
 from roughcontact.contact.elasticity.closed_forms import hertz_ellipse
 from roughcontact.contact.solve import NEAR_HARDNESS, solve_contact
 from roughcontact.errors import SettingsError
+from roughcontact.statistics.allowed import ENDS
 from roughcontact.statistics.conductance import Bodies, conductance_columns, conductivity_ranges
 from roughcontact.statistics.precision import widened
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, OF_MATERIAL, error_budget
@@ -32,7 +33,7 @@ from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, to_scale
 _NODES = 6  # of Gauss and Jacobi, over the pressure
 _OF_MAP = (AREA, GAP, CONDUCTANCE)
 _CONDUCTANCE = f"local_{CONDUCTANCE}"
-_OPPOSITE = {"": "", "_lower": "_upper", "_upper": "_lower"}  # end of a number -> that of its inverse
+_OPPOSITE = dict(zip(ENDS, ("", "_upper", "_lower"), strict=True))  # end of a number -> that of its inverse
 
 
 def hertz_pressures(contact: Mapping[str, Any], radius: Sequence[float]) -> list[float]:
@@ -74,13 +75,11 @@ def whole_contact(
         levelled_map, window, {**settings, "contact": at_places}, sources=of_map, solved=curve, **options
     )
     estimate, lower, upper = (
-        {name: budget.get(f"{name}_{kind}", curve[name]).values for name in _OF_MAP}
-        for kind in ("estimate", "lower", "upper")
+        {name: budget.get(f"{name}{kind}", curve[name]).values for name in _OF_MAP}
+        for kind in ("_estimate", *ENDS[1:])
     )
     # nothing bounds what has no end, nor the conductance of full contact
-    upper = {
-        name: np.where(np.isnan(key) & ~np.isnan(lower[name]), np.inf, key) for name, key in upper.items()
-    }
+    upper = {k: np.where(np.isnan(end) & ~np.isnan(lower[k]), np.inf, end) for k, end in upper.items()}
     lower[CONDUCTANCE] = np.where(estimate[AREA] >= 1, np.inf, lower[CONDUCTANCE])
     values, below = _whole(estimate, smooth), _whole(lower, smooth, flux_as_pressure=True)
     above, solution = _whole(upper, smooth), _whole({name: curve[name].values for name in _OF_MAP}, smooth)
@@ -95,15 +94,14 @@ def whole_contact(
                 results = solve_member(window, loads, names=_OF_MAP, tolerance=contact["tolerance"])
                 by_input[-1].append((np.log(factor), _whole(results, variation)))
     columns = {"force": inputs["mean_pressure"], "hertz_radius": np.sqrt(smooth["area"] / np.pi)}
-    columns |= {"hertz_approach": smooth["approach"], f"hertz_{CONDUCTANCE}": smooth["conductance"]}
-    columns |= values
+    columns |= {"hertz_approach": smooth["approach"], f"hertz_{CONDUCTANCE}": smooth["conductance"], **values}
     for name, value in values.items() if of_map or by_input else ():
         sides = [(value, value - below[name], above[name] - value)]
         sides += [(solution[name], *effect(solution[name], bounds, name)[:2]) for bounds in by_input]
         # each number of the whole contact has a logarithmic scale, as the gap
         total = added_up(component_from_units(GAP, middle, half_widths(*widths)) for middle, *widths in sides)
         bounds = interval_bounds(GAP, to_scale(GAP, value), total)
-        for key, joint, single in zip(("_lower", "_upper"), bounds, (below[name], above[name]), strict=True):
+        for key, joint, single in zip(ENDS[1:], bounds, (below[name], above[name]), strict=True):
             bound = np.where((value > 0) & (single > 0), joint, single)  # alone: that of the map
             columns[f"{name}{key}"] = np.where(np.isinf(bound), np.nan, bound)
     with np.errstate(divide="ignore"):
@@ -118,10 +116,10 @@ def whole_contact(
                 kind, resistance = name.replace("conductance", "resistance"), 1 / of_ends
                 columns[f"local_{kind}{key}"] = np.where(np.isinf(resistance), np.nan, resistance)
     for name, (mean, *both) in conductivity_ranges(bodies).items():
-        kind = "local_thermal_resistance" if name.startswith("thermal") else "local_electrical_resistance"
-        if f"{kind}_lower" in columns:
-            keys = kind, f"{kind}_lower", f"{kind}_upper"
-            factors = sorted((end / mean) ** (-1 if name.startswith("thermal") else 1) for end in both)
+        is_thermal = name.startswith("thermal")
+        keys = [f"local_{'thermal' if is_thermal else 'electrical'}_resistance{end}" for end in ENDS]
+        if keys[1] in columns:
+            factors = sorted((end / mean) ** (-1 if is_thermal else 1) for end in both)
             columns |= dict(zip(keys[1:], widened([columns[key] for key in keys], factors), strict=True))
     return {name: ("load", column) for name, column in columns.items()}
 

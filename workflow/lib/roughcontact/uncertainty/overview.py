@@ -121,33 +121,25 @@ def _view(
     arguments: Mapping[str, Any],
 ) -> View:
     """Return what an overview shows of other places than that of the map."""
-    alike = [other for other in (overview, *overviews) if _has_pixels_of(other, overview)]
+    alike = [  # as maps of one instrument are
+        other
+        for other in (overview, *overviews)
+        if np.allclose(spacing(other), spacing(overview), rtol=_SAME_PIXELS)
+    ]
     places = ((other, recorded_place(other)) for other in alike)
     own = next((other.isel(window_of_place(fine, other, place)) for other, place in places if place), None)
-    steps = [coarse / step for coarse, step in zip(spacing(overview), spacing(fine), strict=True)]
+    here = shown_by(fine, overview) if own is None else own
     return View(
-        transfers_of(
-            result,
-            form_order(fine),
-            shown_by(fine, overview) if own is None else own,
-            overview,
-            arguments,
-        ),
-        pixels=math.sqrt(math.prod(steps)),
+        transfers_of(result, form_order(fine), here, overview, arguments),
+        pixels=math.sqrt(math.prod(spacing(overview)) / math.prod(spacing(fine))),
         sees_map=own is not None,
         field=math.prod(field_ratios(fine, overview)),
     )
 
 
-def _has_pixels_of(one: xr.DataArray, other: xr.DataArray) -> bool:
-    """Return whether two overviews have the same pixels, as maps of one instrument have."""
-    return np.allclose(spacing(one), spacing(other), rtol=_SAME_PIXELS)
-
-
 def field_ratios(fine: xr.DataArray, overview: xr.DataArray) -> tuple[float, float]:
     """Return the sides of an overview over those of its fine map (y, x)."""
-    lengths = [np.array(height.shape) * spacing(height) for height in (overview, fine)]
-    y, x = lengths[0] / lengths[1]
+    y, x = (np.array(overview.shape) * spacing(overview)) / (np.array(fine.shape) * spacing(fine))
     return float(y), float(x)
 
 
@@ -179,14 +171,13 @@ def transfers_of(
     `own` is the place of the map with the pixels of the overview, `order` that of the form to remove.
     `arguments` are those of `periodic_window` of the fine map, without a correction for its instrument.
     """
-    options = {**arguments, "correct_for": None}
-    for key in ("placement", "min_share"):
-        options.pop(key, None)
+    kept = {key: value for key, value in arguments.items() if key not in ("placement", "min_share")}
+    options = kept | {"correct_for": None}
     places = [overview.isel(window) for window in windows_of_places(own.shape, overview)]
     pieces = [relevelled(piece, order) for piece in (own, *places, overview)]
+    coarser = [piece.coarsen(y=2, x=2, boundary="trim").mean() for piece in pieces[:-1]]
     at_places, octave = (
-        _results(result, [subwindow(piece, **options) for piece in windows])
-        for windows in (pieces, [piece.coarsen(y=2, x=2, boundary="trim").mean() for piece in pieces[:-1]])
+        _results(result, [subwindow(piece, **options) for piece in windows]) for windows in (pieces, coarser)
     )
     transfers = {}
     for name in at_places:

@@ -133,7 +133,7 @@ def hidden_waves(
     components = {}
     for name, change in _changes(curve, index).items():
         shift = max(share, 0.0) * change
-        if round(octaves) > _MAX_OCTAVES and name in (AREA, PEAK):
+        if round(octaves) > _MAX_OCTAVES and name in (AREA, PEAK):  # nothing bounds it
             shift = np.full_like(change, -np.inf if name == AREA else np.inf)
         components[name] = one_sided(shift)
     return components
@@ -171,10 +171,9 @@ def next_octave(
 def _changes(curve: Columns, index: int) -> dict[str, np.ndarray]:
     """Return the change (load) of each quantity on its scale by one octave of the curve; 0 where unknown."""
     changes = {}
-    for name in (AREA, GAP, PEAK, *ANSWERS):
-        if f"{name}_at_cutoff" in curve:
-            fine, coarse = to_scale(name, curve[f"{name}_at_cutoff"][1][:, index : index + 2]).T
-            changes[name] = np.nan_to_num(fine - coarse)
+    for name in (name for name in (AREA, GAP, PEAK, *ANSWERS) if f"{name}_at_cutoff" in curve):
+        fine, coarse = to_scale(name, curve[f"{name}_at_cutoff"][1][:, index : index + 2]).T
+        changes[name] = np.nan_to_num(fine - coarse)
     return changes
 
 
@@ -193,14 +192,14 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> tuple
     if not total > 0:
         return 0.0, 0.0
     scatter = _relative_scatter(finer, limit) if min(finer.shape) == 1 else 0.0
-    ratios = (longer + shorter) / total, (longer + (1 + scatter) * shorter) / total
-    return max(0.5 * math.log(ratios[0]), 0.0), max(0.5 * math.log(ratios[1]), 0.0)
+    ratios = (longer + np.array([1.0, 1.0 + scatter]) * shorter) / total
+    growth, upper_limit = np.maximum(0.5 * np.log(ratios), 0.0)
+    return float(growth), float(upper_limit)
 
 
 def _square_slope(spectra: Spectra, *, above: float = -math.inf, up_to: float = math.inf) -> float:
     """Return the mean square slope along lines by waves of wavenumbers in between (rad/m)."""
-    power_between = [float(np.sum(square[(q > above) & (q <= up_to)])) for q, square in spectra]
-    return sum(power_between) / len(spectra)
+    return float(np.mean([np.sum(square[(q > above) & (q <= up_to)]) for q, square in spectra]))
 
 
 def _relative_scatter(profile: xr.DataArray, limit: float) -> float:

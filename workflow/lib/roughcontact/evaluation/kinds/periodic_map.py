@@ -10,12 +10,12 @@ from roughcontact.arguments.kinds import PERIODIC_MAP, KindFacts
 from roughcontact.arguments.stacks import bodies_for_solver
 from roughcontact.contact.solve import SOLVER_SETTINGS
 from roughcontact.errors import HeightMapError
+from roughcontact.evaluation.elastic_loads import elastic_loads
 from roughcontact.statistics.targets import TARGETS, wanted_loads
 from roughcontact.surface.faces.placing import place_attributes
 from roughcontact.surface.preparation.periodic_map import MapPreparation, Settings
 from roughcontact.surface.window.instrument import window_arguments
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
-from roughcontact.uncertainty.elastic_loads import elastic_loads
 from roughcontact.uncertainty.improvement import add_halving
 from roughcontact.uncertainty.overview import scatter_with_overviews
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
