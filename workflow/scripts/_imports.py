@@ -12,9 +12,8 @@ MODULES = (
     "roughcontact.io.read",
     "roughcontact.report.gather",
     "roughcontact.report.panel",
-    "roughcontact.statistics.sealing.flow",
+    "scipy.fft",
     "scipy.ndimage",
-    "scipy.optimize",
 )
 for module in MODULES:
     import_module(module)
