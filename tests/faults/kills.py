@@ -217,10 +217,13 @@ def session(run):
     return processes
 
 
-def is_job(process):
-    """Return whether a process is a job, a fork that is named after its rule."""
+def is_job(process, *rules):
+    """Return whether a process is a job, of some rules alone: a fork named after one, or a script."""
+    rules = rules or RULES
     try:
-        return process.name() in RULES and "server.py" in words(process)
+        command_line = words(process)
+        is_fork = process.name() in rules and "server.py" in command_line
+        return is_fork or command_line.endswith(tuple(f".{rule}.py" for rule in rules))
     except psutil.Error:
         return False
 

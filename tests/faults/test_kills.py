@@ -9,7 +9,7 @@ import time
 
 import psutil
 import pytest
-from kills import family, kill_at_random, session, words
+from kills import family, is_job, kill_at_random, session, words
 from study import ROOT, command, environment, write_study
 from terminations import end_at_random, load
 
@@ -49,7 +49,7 @@ def test_nothing_goes_on_after_the_program_alone_was_terminated(tmp_path, wrappe
             preexec_fn=deaf_to_interruptions if wrapper == "in the background" else None,  # noqa: PLW1509
         )
     try:
-        while not any(words(each).endswith(".prepare.py") for each in family(run)):
+        while not any(is_job(each, "prepare") for each in family(run)):
             assert run.poll() is None, (tmp_path / "said.txt").read_text()
             time.sleep(0.002)
         started = family(run)[1:]
@@ -83,7 +83,7 @@ def test_the_next_run_ends_what_goes_on_of_a_killed_one(tmp_path, killed):
             command(tmp_path, target), env=environment(), stdout=said, stderr=said, start_new_session=True
         )
     try:
-        while not (jobs := [each for each in family(run) if words(each).endswith(".prepare.py")]):
+        while not (jobs := [each for each in family(run) if is_job(each, "prepare")]):
             assert run.poll() is None, log.read_text()
             time.sleep(0.002)
         jobs[0].suspend()  # it cannot end before the next run begins
@@ -116,7 +116,7 @@ def test_a_termination_ends_jobs_whose_parent_has_gone(tmp_path):
             stdout=output,
             stderr=output,
         )
-    while not (started := [process for process in family(run) if words(process).endswith(".prepare.py")]):
+    while not (started := [process for process in family(run) if is_job(process, "prepare")]):
         assert run.poll() is None, (tmp_path / "said.txt").read_text()
         time.sleep(0.002)
     orphan = subprocess.Popen(["sleep", "600"], env=started[0].environ())
@@ -146,7 +146,7 @@ def test_beside_a_run_at_work_none_begins_and_its_locks_stay(tmp_path, started_b
             first_command, env=environment(), stdout=output, stderr=output, start_new_session=True
         )
     try:
-        while not (jobs := [process for process in family(run) if words(process).endswith(".prepare.py")]):
+        while not (jobs := [process for process in family(run) if is_job(process, "prepare")]):
             assert run.poll() is None, (tmp_path / "said.txt").read_text()
             time.sleep(0.002)
         jobs[0].suspend()
@@ -186,7 +186,7 @@ def test_a_job_that_is_killed_says_how_much_memory_it_had_asked_for(tmp_path):
         run = subprocess.Popen(
             command(tmp_path, "results/summary.csv"), env=environment(), stdout=output, stderr=output
         )
-    while not (reporting := [process for process in family(run) if words(process).endswith(".report.py")]):
+    while not (reporting := [process for process in family(run) if is_job(process, "report")]):
         assert run.poll() is None, (tmp_path / "said.txt").read_text()
         time.sleep(0.002)
     reporting[0].kill()
