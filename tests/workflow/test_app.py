@@ -31,7 +31,7 @@ from browser import CHROMIUM, Browser
 from packaging.requirements import Requirement
 from starlette.datastructures import QueryParams
 
-from data_samples.make_samples import sdf_bytes, x3p_bytes
+from data_samples.make_samples import matrix_bytes, profile_bytes, sdf_bytes, x3p_bytes
 from roughcontact.arguments.rectangles import parse_rectangles
 from roughcontact.arguments.settings.fields import field_at, is_list, section_model, setting_base, value_at
 from roughcontact.arguments.settings.models import Body, Settings
@@ -297,6 +297,32 @@ class TestFiveSteps:
         assert "Nothing to be done" in run.stdout + run.stderr
 
 
+# what does not follow from the models: two metals, and a force that a small map bears
+EXAMPLES = {
+    "contact.bodies.0.material": "copper",
+    "contact.bodies.1.material": "steel",
+    "contact.force": "1 mN",
+    "form.radius": "1 mm",
+}
+# of each question, as the table of the main results names them
+ANSWERS = {
+    "seal": "leak",
+    "resistance": "resistance",
+    "heat": "temperature drop",
+    "differ": "Differences",
+    "ball": "contact radius",
+    "friction": "friction",
+    "profile": "contact area",
+    "area": "largest pressure",
+}
+
+
+def example(name):
+    """The first of the examples of a setting."""
+    value = field_at(name.split(".")).examples[0]
+    return str(value[0] if isinstance(value, list) else value)
+
+
 class TestJobs:
     """Each question shows its fields with label, unit and sentence, which are those of the settings."""
 
@@ -358,6 +384,52 @@ class TestJobs:
             assert sentence == f"{column}: {column_meaning(column)} {column}"
             assert len(column_meaning(column)) > 20
         picture(browser, f"app-job-{job}")
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("job", JOBS)
+    def test_from_an_empty_folder_to_its_answer(self, job, tmp_path, chromium):
+        """In twelve clicks and fields at most, by files of three formats that say all of themselves."""
+        shape = (1, 512) if job == "profile" else (64, 64)
+        surfaces = [self_affine_surface((64, shape[1]), 1e-6, **ROUGHNESS, seed=seed) for seed in range(6)]
+        heights = [surface.values[: shape[0]] for surface in surfaces]
+        third = profile_bytes if job == "profile" else lambda values, pitch: matrix_bytes(values, [pitch] * 2)
+        makers = (("x3p", x3p_bytes), ("sdf", sdf_bytes), ("csv" if job == "profile" else "txt", third))
+        files = []
+        for number, values in enumerate(heights if job == "differ" else heights[:3]):
+            ending, content = makers[number % 3]
+            files.append(tmp_path / f"map-{number}.{ending}")
+            files[-1].write_bytes(content(values, 1e-6))
+        steps = []
+
+        def step(action, *arguments):
+            steps.append(arguments)
+            action(chromium, *arguments)
+            saved(chromium)
+
+        with served(tmp_path / "study") as address:
+            chromium.start_again()
+            chromium.open(address)
+            chromium.wait("document.querySelector('#preview pre')")
+            step(click, f"[name='page.job'][value={job}]")
+            # those that are new are ticked: what the question asks of each file is set for all of them
+            groups = {"differ": {"A": files[:3], "B": files[3:]}, "profile": {"none": files}}
+            for cell, chosen in groups.get(job, {"": files}).items():
+                step(Browser.choose_files, "#choose", *chosen)
+                if cell:
+                    step(fill, "cell", cell)
+                    step(click, "#selected [formaction=set]")
+            rows_read(chromium, len(files))
+            for name in JOBS[job].settings:
+                step(fill, name, EXAMPLES.get(name) or example(name))
+            step(click, "#start")
+            chromium.wait("document.querySelector('#state').textContent === 'done'", seconds=300)
+            chromium.wait("document.querySelector('#report')")
+            step(click, "#show a")
+            report = " ".join(chromium.text_of_frame().split())
+            main_results = report.partition("How to read this page")[2][:4000]
+            assert ANSWERS[job] in main_results, main_results
+            assert len(steps) <= 12
+            assert chromium.problems == []
 
     def test_more_has_every_setting_once(self, browser):
         click(browser, "[name='page.job'][value=ball]")
@@ -1362,8 +1434,7 @@ class TestForm:
         maps(tmp_path / "measured", 8)
         texts = {"contact.bodies.0.material": "copper", "contact.bodies.1.material": "steel"} | JOBS[job].made
         for name in JOBS[job].settings[2:]:
-            (example, *_) = field_at(name.split(".")).examples
-            texts[name] = str(example[0] if isinstance(example, list) else example)
+            texts[name] = example(name)
         columns = {
             name: text for name, text in (("group", "a"), ("lay", "none")) if name in JOBS[job].columns
         }
