@@ -51,7 +51,7 @@ _PROBE_PIXEL = 1e-7  # a smaller pixel is that of a probe microscope, whatever t
 _CAMERA = (1e-6, 6e-5)  # pitch of camera pixels, binned ones included
 
 _UNFILTERED = "export it unfiltered"
-_RESOLVED = "state the lens (instrument.numerical_aperture, or resolution)"
+_RESOLVED = "state the lens (instrument.numerical_aperture, instrument.resolution)"
 _SMOOTHED_MEANS = (
     "Contact areas are then too large, pressures and gaps too small, but not those of longer waves alone "
     "(level.s_filter, coarser pixels)"
