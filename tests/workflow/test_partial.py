@@ -58,7 +58,7 @@ def test_what_is_mended_is_in_the_next_report_though_it_is_as_before(study):
     failed = study.run("--keep-going")
     assert failed.returncode != 0
     assert "Not finished: turned." in failed.stderr
-    changed = "; contact.tolerance: 1.0e-06; uncertainty.sources: []</p>"
+    changed = "tolerance: 1.0e-06; uncertainty.sources: []</p>"
     assert changed in complete[REPORT[-1]].decode()
     assert changed in contents(study)[REPORT[-1]].decode()
     assert study.path("results/report.html").stat().st_mtime > start - 1
