@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import AREA, CREEPING
+from roughcontact.arguments.answers import AREA, CREEPING, ENDS
 from roughcontact.arguments.materials import contact_modulus
 from roughcontact.arguments.relaxation import relaxation_of
-from roughcontact.statistics.allowed import ENDS
 
 
 def with_creep(
@@ -54,13 +53,13 @@ def with_creep(
     flows = statistics.get("load_share_above_hardness", xr.zeros_like(statistics[AREA])).values > 0
     after = [evaluate(modulus) for modulus in moduli.values()]
     columns = {
-        f"{name}_after{end}": (
+        f"{name}_after{suffix}": (
             ("load", "time"),
-            np.where(flows[:, None], np.nan, np.transpose([numbers[f"{name}{end}"] for numbers in after])),
+            np.where(flows[:, None], np.nan, np.transpose([numbers[f"{name}{suffix}"] for numbers in after])),
         )
         for name in CREEPING
-        for end in ENDS
-        if f"{name}{end}" in after[0]
+        for suffix in ENDS
+        if f"{name}{suffix}" in after[0]
     }
     return statistics.assign(columns).assign_coords(time=[*moduli])
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.checking import check_labelled, warn_of_map, warn_of_unit
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.settings.fields import fields_at
@@ -28,7 +29,6 @@ from roughcontact.surface.roughness.parameters import rms_gradient
 _HEAVIEST = 2.0  # E* times the rms gradient: nearly closed
 _LIGHTEST = 5e-4  # of the heaviest load: first contact
 _BELOW_HARDNESS = 0.95
-_ENDS = ("", "_lower", "_upper")
 
 
 def evaluate(
@@ -269,7 +269,7 @@ def tabulate_by_gap(statistics: xr.Dataset) -> xr.Dataset:
         shear_flow = _interpolate_to_gaps(statistics, f"shear_flow_{axis}", at_contact=1.0, far=0.0)
         columns[f"pressure_flow_factor_{axis}"] = pressure_flow
         columns[f"shear_flow_factor_{axis}"] = shear_flow * gap / sigma
-    rows = {f"{name}{key}": row for name in columns for key, row in zip(_ENDS, columns[name], strict=True)}
+    rows = {f"{name}{key}": row for name in columns for key, row in zip(ENDS, columns[name], strict=True)}
     # of the finer pixels that the gap is of; where points flow it falls more than the gap, by their depth
     shift = gap - statistics.get("mean_gap_as_solved", statistics["mean_gap"]).values
     rows["approach"] = statistics["approach"].values + shift
@@ -280,7 +280,7 @@ def tabulate_by_gap(statistics: xr.Dataset) -> xr.Dataset:
 def _value_and_bounds(statistics: xr.Dataset, name: str) -> np.ndarray:
     """Return a quantity and both ends of its interval (3, load), NaN where they are not known."""
     nan_values = np.full(statistics["load"].size, np.nan)
-    return np.array([statistics.get(f"{name}{key}", nan_values) for key in _ENDS])
+    return np.array([statistics.get(f"{name}{key}", nan_values) for key in ENDS])
 
 
 @np.errstate(divide="ignore")  # where the gap is closed

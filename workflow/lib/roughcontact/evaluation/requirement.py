@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ALLOWED_VALUES
-from roughcontact.statistics.allowed import ENDS, compared_ends, with_allowed
+from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS
+from roughcontact.statistics.allowed import compared_ends, with_allowed
 
 MAX_FACTOR = 32.0  # on the heights: beyond it the surface is another one
 _TOLERANCE = 0.002  # of the logarithm of the factor: half a percent of a leak, the steepest number
@@ -51,12 +51,12 @@ def with_largest_roughness(
     --------
     A gap in proportion to the heights, known to ± 10 %, of which 1 µm is allowed:
 
-    >>> gaps = {f"mean_gap{end}": ("load", [gap]) for end, gap in zip(ENDS, (5e-7, 4.5e-7, 5.5e-7))}
+    >>> gaps = {f"mean_gap{suffix}": ("load", [gap]) for suffix, gap in zip(ENDS, (5e-7, 4.5e-7, 5.5e-7))}
     >>> statistics = xr.Dataset(gaps | {"Sq": 2e-7}, {"mean_pressure": ("load", [1e6])})
     >>> settings = {"requirement": {"gap": 1e-6}}
     >>> solved = with_allowed(statistics, settings)
     >>> found = with_largest_roughness(solved, settings, lambda factor, load: statistics * factor)
-    >>> [round(float(found[f"gap_largest_Sq{end}"][0]) * 1e9) for end in ENDS]
+    >>> [round(float(found[f"gap_largest_Sq{suffix}"][0]) * 1e9) for suffix in ENDS]
     [400, 364, 444]
     """
 
@@ -80,7 +80,8 @@ def with_largest_roughness(
             )
         ]
         sizes = np.transpose(factors) * float(statistics["Sq"])
-        columns |= {f"{name}_largest_Sq{end}": ("load", row) for end, row in zip(ENDS, sizes, strict=True)}
+        names = (f"{name}_largest_Sq{suffix}" for suffix in ENDS)
+        columns |= {key: ("load", row) for key, row in zip(names, sizes, strict=True)}
     return statistics.assign(columns)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from roughcontact.arguments.answers import ALLOWED_VALUES, TOTALS
+from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS, TOTALS
 from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.report.units import number_text, unit_of
@@ -68,7 +68,7 @@ def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:
     >>> _roughness_in_words({"gap_largest_Sq": [1.4e-7]} | bounds, "gap", 0)
     '; holds for Sq up to 140 nm (110 nm to 160 nm) of this texture'
     """
-    names = [f"{name}_largest_Sq{end}" for end in ("", "_lower", "_upper")]
+    names = [f"{name}_largest_Sq{suffix}" for suffix in ENDS]
     if names[0] not in numbers or not np.isfinite(np.asarray(numbers[names[0]])[index]):
         return ""
     largest, *bounds = (float(np.asarray(numbers[each])[index]) for each in names)
@@ -80,7 +80,7 @@ def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:
 
 def _load_in_words(numbers: Numbers, name: str) -> str:
     """Return the load from which on, or up to which, an allowed value holds, with its bounds."""
-    crossing, lower, upper = (float(numbers[f"{name}_holds_from{end}"]) for end in ("", "_lower", "_upper"))
+    crossing, lower, upper = (float(numbers[f"{name}_holds_from{suffix}"]) for suffix in ENDS)
     loads = np.asarray(numbers["mean_pressure"], float)
     rises = ALLOWED_VALUES[name].trend > 0
 

@@ -159,7 +159,7 @@ def wider_intervals(numbers: xr.Dataset) -> tuple[dict[str, str], dict[str, Any]
         key: text
         for key, text in _BEYOND.items()
         if f"{AREA}_{key}_lower" in numbers
-        and np.isfinite([numbers[f"{AREA}_{key}_{end}"] for end in ("lower", "upper")]).any()
+        and np.isfinite([numbers[f"{AREA}_{key}_{suffix}"] for suffix in ("lower", "upper")]).any()
     }
     text = {"": "the ±", **beyond, "map": "this map"}
     loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"].values]
@@ -168,8 +168,10 @@ def wider_intervals(numbers: xr.Dataset) -> tuple[dict[str, str], dict[str, Any]
     for name in COMPARED:
         unit, solved = unit_of(numbers, UNITS[name]), numbers.get(f"{name}_as_solved", numbers[name]).values
         lower, upper = (
-            np.array([numbers.get("_".join(filter(None, (name, key, end))), unknown).values for key in text])
-            for end in ("lower", "upper")
+            np.array(
+                [numbers.get("_".join(filter(None, (name, key, bound))), unknown).values for key in text]
+            )
+            for bound in ("lower", "upper")
         )
         for index, load in enumerate(loads):
             texts = [unit.ends(*pair) for pair in zip(lower[:, index], upper[:, index], strict=True)]

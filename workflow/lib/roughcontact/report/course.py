@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import TITLES, UNITS
+from roughcontact.arguments.answers import ENDS, TITLES, UNITS
 from roughcontact.report.charts import COLOURS, Axis, Chart, log_axis
 from roughcontact.report.units import unit_of
 
@@ -27,9 +27,9 @@ def course_chart(course: xr.Dataset, result: str, abscissa: np.ndarray, x_axis: 
     unit = unit_of(course.isel({dimension: 0}), UNITS[result])
     values, lower, upper = (
         course[name].values * unit.factor
-        if (name := f"{result}{end}") in course
+        if (name := f"{result}{suffix}") in course
         else np.full(abscissa.shape, np.nan)
-        for end in ("", "_lower", "_upper")
+        for suffix in ENDS
     )
     plotted = np.concatenate([values, lower, upper])
     chart = Chart(x_axis, log_axis(f"{TITLES[result]} ({unit.symbol})", plotted, room=1.3))

@@ -68,7 +68,7 @@ def _range_of_hardness(statistics: xr.Dataset) -> str:
     if "hardness_lower" not in statistics:
         return "taken as exact"
     unit = unit_of(statistics, "Pa")
-    both = [float(statistics[f"hardness_{end}"]) for end in ("lower", "upper")]
+    both = [float(statistics[f"hardness_{suffix}"]) for suffix in ("lower", "upper")]
     return f"in the intervals {unit.ends(*both)}"
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import AREA, FRICTION, GAP, TITLES
+from roughcontact.arguments.answers import AREA, ENDS, FRICTION, GAP, TITLES
 from roughcontact.arguments.relaxation import MAX_MISFIT
 from roughcontact.report.charts import COLOURS, Axis, Chart, log_axis
 from roughcontact.report.course import course_chart, course_section
@@ -37,7 +37,7 @@ def sliding_section(name: str, sliding: str | Path, folder: Path) -> dict[str, A
         f"{TITLES[result]} over the speed": course_chart(over, result, speed, _speed_axis(speed)).source()
         for result in (AREA, GAP)
     }
-    first = {end: highest[f"{FRICTION}{end}"].item() for end in ("", "_lower", "_upper")}
+    first = {suffix: highest[f"{FRICTION}{suffix}"].item() for suffix in ENDS}
     numbers = {str(key): highest[key].item() for key in highest.variables if highest[key].ndim == 0}
     shares = highest["friction_share_of_octave"].values
     text = sentence(
@@ -73,7 +73,7 @@ def _friction(over: xr.Dataset) -> Chart:
     """Draw the coefficient of friction with its interval against the speed, and theories beside it."""
     speed, values = over["speed"].values, over[FRICTION].values
     others = {label: over[name].values for name, label in _LINES.items() if name in over}
-    lower, upper = (over[f"{FRICTION}_{end}"].values for end in ("lower", "upper"))
+    lower, upper = (over[f"{FRICTION}_{suffix}"].values for suffix in ("lower", "upper"))
     plotted = np.concatenate([values, lower, upper, *others.values()])
     chart = Chart(_speed_axis(speed), log_axis("coefficient of friction μ", plotted, room=1.3))
     chart.bars(speed, lower, upper, colour=COLOURS[0])

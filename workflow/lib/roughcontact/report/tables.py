@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import COLUMNS, CREEPING, TITLES, UNITS
+from roughcontact.arguments.answers import COLUMNS, CREEPING, ENDS, TITLES, UNITS
 from roughcontact.arguments.quantities import number, percent
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.report.units import has_number, lacks_interval, number_text, unit_of
@@ -108,10 +108,10 @@ def creep_table(numbers: xr.Dataset, load_indices: Sequence[int]) -> Table | Non
         rows.append([load, "at once", *(number_text(numbers, name, units[name], index) for name in names)])
         for place, time in enumerate(numbers["time"].values):
             after = {
-                f"{name}{end}": numbers[f"{name}_after{end}"].values[:, place]
+                f"{name}{suffix}": numbers[f"{name}_after{suffix}"].values[:, place]
                 for name in names
-                for end in ("", "_lower", "_upper")
-                if f"{name}_after{end}" in numbers
+                for suffix in ENDS
+                if f"{name}_after{suffix}" in numbers
             }
             flows = not np.isfinite(after[names[0]][index])
             cells = ("–" if flows else number_text(after, name, units[name], index) for name in names)

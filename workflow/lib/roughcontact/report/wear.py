@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import AREA, CONDUCTANCE, GAP, PEAK, TITLES
+from roughcontact.arguments.answers import AREA, CONDUCTANCE, ENDS, GAP, PEAK, TITLES
 from roughcontact.arguments.quantities import number
 from roughcontact.report.charts import Axis, Chart, log_axis
 from roughcontact.report.course import course_chart, course_section
@@ -33,8 +33,7 @@ def wear_of(name: str, worn: str | Path, folder: Path) -> dict[str, Any]:
     charts = {TITLES[result]: course_chart(over, result, *_axis(over)) for result in _DRAWN if result in over}
     charts["height parameters"] = _parameters(over)
     images |= {f"{label} over the distance": chart.source() for label, chart in charts.items()}
-    ends = ("", "_lower", "_upper")
-    settled = [over[f"running_in_distance{end}"].item() for end in ends]
+    settled = [over[f"running_in_distance{suffix}"].item() for suffix in ENDS]
     last = {
         str(key): over[key].values[-1].item()
         for key in ("sliding_distance", "worn_volume", "max_worn_depth", "time_error_bound", "mean_pressure")

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from roughcontact.arguments.answers import ANSWERS, AREA, answer_name
+from roughcontact.arguments.answers import ANSWERS, AREA, ENDS, answer_name
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.errors import SettingsError
@@ -224,7 +224,7 @@ def summary(result: xr.Dataset) -> pd.DataFrame:
                 verdict = statistics.get(f"{answer_name(name)}_verdict", statistics["verdict"]).values.astype(
                     int
                 )
-                values = [statistics[f"{name}{suffix}"].values for suffix in ("", "_lower", "_upper")]
+                values = [statistics[f"{name}{suffix}"].values for suffix in ENDS]
                 columns = {"quantity": name, "load": loads, **dict(zip(_VALUES, values, strict=True))}
                 columns |= {"known": relative_half_width(*values), "verdict": words[verdict]}
                 frames.append(pd.DataFrame(labels | columns))

@@ -10,9 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from roughcontact.arguments.answers import ALLOWED_VALUES, TOTALS
-
-ENDS = ("", "_lower", "_upper")
+from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS, TOTALS
 
 Ends = Sequence[npt.ArrayLike] | np.ndarray  # value, lower and upper end (load)
 
@@ -100,7 +98,7 @@ def with_allowed(
 
     Examples
     --------
-    >>> leaks = {f"leak_rate_x{end}": ("load", [4e-9, 1e-9]) for end in ENDS}
+    >>> leaks = {f"leak_rate_x{suffix}": ("load", [4e-9, 1e-9]) for suffix in ENDS}
     >>> statistics = xr.Dataset(leaks, {"mean_pressure": ("load", [1e6, 2e6])})
     >>> found = with_allowed(statistics, {"seal": {"perimeter": 0.1, "allowed_leak": 2e-10}})
     >>> found["leak_holds"].values, round(found["leak_holds_from"].item() / 1e6, 2)
@@ -124,7 +122,7 @@ def with_allowed(
             trend=allowed.trend,
         )
         columns |= {f"allowed_{name}": limit, f"{name}_holds": ("load", found.holds)}
-        columns |= {f"{name}_holds_from{end}": load for end, load in zip(ENDS, found[1:], strict=True)}
+        columns |= {f"{name}_holds_from{suffix}": load for suffix, load in zip(ENDS, found[1:], strict=True)}
     return complete.assign(columns)
 
 
@@ -137,7 +135,7 @@ def compared_ends(statistics: xr.Dataset, name: str) -> np.ndarray:
     allowed, nan = ALLOWED_VALUES[name], np.full(statistics.sizes["load"], np.nan)
     numbers = [number for number in allowed.numbers if number in statistics]
     ends = np.array(
-        [np.max([statistics.get(f"{number}{end}", nan) for number in numbers], axis=0) for end in ENDS]
+        [np.max([statistics.get(f"{number}{suffix}", nan) for number in numbers], axis=0) for suffix in ENDS]
     )
     with np.errstate(divide="ignore"):
         return ends if allowed.sense > 0 else 1 / ends[[0, 2, 1]]
@@ -147,23 +145,23 @@ def _totals(statistics: xr.Dataset, stated: Mapping[str, Any]) -> dict[str, xr.D
     """Return the totals, with their ends, of what is stated of seal or joint."""
     numbers = statistics.assign(_resistance_of_joint(statistics))
     return {
-        f"{total}{end}": numbers[f"{name}{end}"]
+        f"{total}{suffix}": numbers[f"{name}{suffix}"]
         * np.prod([stated[key] ** power for key, power in powers.items()])
         for total, (name, powers) in TOTALS.items()
-        for end in ENDS
-        if f"{name}{end}" in numbers and all(stated.get(key) for key in powers)
+        for suffix in ENDS
+        if f"{name}{suffix}" in numbers and all(stated.get(key) for key in powers)
     }
 
 
 def _resistance_of_joint(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
     """Return the thermal resistance times area: of the contact alone, or with film and gas."""
     if "joint_conductance" not in statistics:
-        names = {f"resistance_of_joint{end}": f"thermal_resistance{end}" for end in ENDS}
+        names = {f"resistance_of_joint{suffix}": f"thermal_resistance{suffix}" for suffix in ENDS}
         return {key: statistics[name] for key, name in names.items() if name in statistics}
     opposite = {"": "", "_lower": "_upper", "_upper": "_lower"}
     with np.errstate(divide="ignore"):
         return {
-            f"resistance_of_joint{end}": 1 / statistics[name]
-            for end in ENDS
-            if (name := f"joint_conductance{opposite[end]}") in statistics
+            f"resistance_of_joint{suffix}": 1 / statistics[name]
+            for suffix in ENDS
+            if (name := f"joint_conductance{opposite[suffix]}") in statistics
         }

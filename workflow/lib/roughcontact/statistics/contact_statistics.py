@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.bodies import check_bodies
 from roughcontact.arguments.checking import check_choice, check_keys, check_solution, warn_of_map
 from roughcontact.arguments.choices import Extra
@@ -233,7 +234,7 @@ def contact_statistics(
     material |= {
         f"{name}{suffix}": value
         for name, values in conductance.conductivity_ranges(bodies).items()
-        for suffix, value in zip(("", "_lower", "_upper"), values, strict=True)
+        for suffix, value in zip(ENDS, values, strict=True)
     }
     statistics = xr.Dataset(variables | parameters | material, coordinates, attrs)
     return describe(_add_friction(statistics, contact, friction, bodies))
@@ -321,7 +322,7 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     correction = complete[area] / complete[as_solved] if as_solved in complete else 1.0
     if "friction_coefficient" in complete and "relative_contact_area_lower" in complete:
         by_area = complete["friction_coefficient"] * correction / complete[area]
-        value, *both = (by_area * complete[f"{area}{suffix}"] for suffix in ("", "_lower", "_upper"))
+        value, *both = (by_area * complete[f"{area}{suffix}"] for suffix in ENDS)
         bounds["friction_coefficient"] = value
         bounds |= dict(
             zip(
@@ -348,9 +349,9 @@ def _ends_of_the_joint(statistics: xr.Dataset, film: xr.DataArray) -> dict[str, 
     They share their causes: more contact has a smaller gap. The gas conducts as 1/(ū + M) at the most.
     """
     names = [
-        f"{name}_{end}"
+        f"{name}_{suffix}"
         for name in ("thermal_resistance", "mean_gap", "relative_contact_area")
-        for end in ("lower", "upper")
+        for suffix in ("lower", "upper")
     ]
     if not {*names} <= {*statistics}:
         return {}
@@ -360,15 +361,15 @@ def _ends_of_the_joint(statistics: xr.Dataset, film: xr.DataArray) -> dict[str, 
         statistics.attrs.get("joint_temperature_jump", 0.0),
     )
     bounds = {}
-    for end, other in (("lower", "upper"), ("upper", "lower")):
+    for bound, opposite in (("lower", "upper"), ("upper", "lower")):
         spots = (
-            statistics[f"thermal_resistance_{other}"]
-            + film * area / statistics[f"relative_contact_area_{end}"]
+            statistics[f"thermal_resistance_{opposite}"]
+            + film * area / statistics[f"relative_contact_area_{bound}"]
         )
-        gas = statistics["gas_conductance"] * (gap + jump) / (statistics[f"mean_gap_{other}"] + jump)
+        gas = statistics["gas_conductance"] * (gap + jump) / (statistics[f"mean_gap_{opposite}"] + jump)
         # without an end, nothing bounds spots or gap
         with np.errstate(divide="ignore"):
-            bounds[f"joint_conductance_{end}"] = (1 / spots).fillna(0.0) + gas.fillna(0.0)
+            bounds[f"joint_conductance_{bound}"] = (1 / spots).fillna(0.0) + gas.fillna(0.0)
     return bounds
 
 

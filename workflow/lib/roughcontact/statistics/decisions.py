@@ -6,7 +6,7 @@ yields goes on; what is certainly open, or elastic, was so under less.
 
 import numpy as np
 
-from roughcontact.arguments.answers import AREA, PEAK, PRESSURE
+from roughcontact.arguments.answers import AREA, ENDS, PEAK, PRESSURE
 from roughcontact.arguments.variables import Numbers
 from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.surface.roughness.texture import LAY
@@ -35,14 +35,14 @@ def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
     Examples
     --------
     >>> narrowest = {"critical_constriction_x": [5e-8, 2e-8, 0.0], "mean_pressure": [1e5, 2e5, 3e5]}
-    >>> ends = {f"critical_constriction_x_{end}": [0.0, 0.0, 0.0] for end in ("lower", "upper")}
+    >>> ends = {f"critical_constriction_x_{suffix}": [0.0, 0.0, 0.0] for suffix in ("lower", "upper")}
     >>> area = {"relative_contact_area_upper": [0.08, 0.4, 0.9], "Str": 0.2}
     >>> ends["critical_constriction_x_upper"] = [1e-7, 5e-8, 5e-10]
     >>> gap_is_closed(narrowest | ends | area, "x")
     array([ 0., nan,  1.])
     """
     name = f"critical_constriction_{axis}"
-    value, lower, upper = (_of_loads(numbers, f"{name}{end}") for end in ("", "_lower", "_upper"))
+    value, lower, upper = (_of_loads(numbers, f"{name}{suffix}") for suffix in ENDS)
     tight = _of_loads(numbers, f"leak_rate_{axis}_upper") <= TIGHT
     full = _of_loads(numbers, f"{AREA}_lower") >= 1
     without_lay = float(np.asarray(numbers.get("Str", np.nan))) > LAY
@@ -71,7 +71,7 @@ def is_yielding(numbers: Numbers) -> np.ndarray:
 
     Examples
     --------
-    >>> peak = {f"max_pressure{end}": [1e9, 2e9, 2e9] for end in ("", "_lower", "_upper")}
+    >>> peak = {f"max_pressure{suffix}": [1e9, 2e9, 2e9] for suffix in ("", "_lower", "_upper")}
     >>> loads = {"mean_pressure": [1e5, 1e6, 1e7], "hardness": 2e9, "first_yield_pressure": 5e5}
     >>> is_yielding(peak | loads | {"max_pressure_lower": [7e8, 9e8, 1e9]})
     array([ 0., nan, nan])
@@ -83,7 +83,7 @@ def is_yielding(numbers: Numbers) -> np.ndarray:
         limit if np.isnan(end := _number(numbers, f"hardness_{side}")) else end * (1 - _HARDNESS_ROUNDING)
         for side in ("lower", "upper")
     )
-    value, lower, upper = (_of_loads(numbers, f"{PEAK}{end}") for end in ("", "_lower", "_upper"))
+    value, lower, upper = (_of_loads(numbers, f"{PEAK}{suffix}") for suffix in ENDS)
     below = _of_loads(numbers, "volume_above_yield")  # infinite where all of a body yields
     beyond = _of_loads(numbers, "mean_pressure") / _number(numbers, "first_yield_pressure")
     rise = np.maximum(beyond, 1.0) ** facts_of_numbers(numbers).power_of_largest_pressure

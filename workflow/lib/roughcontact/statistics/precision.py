@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ANSWERS
+from roughcontact.arguments.answers import ANSWERS, ENDS
 from roughcontact.arguments.quantities import Unit, number
 from roughcontact.statistics.decisions import gap_is_closed, is_yielding
 
@@ -105,7 +105,7 @@ def add_precision(statistics: xr.Dataset) -> xr.Dataset:
     precision_columns = {}
     for name, answer in ANSWERS.items():
         if f"{answer.quantity}_lower" in statistics:
-            ends = (statistics[f"{answer.quantity}{suffix}"].values for suffix in ("", "_lower", "_upper"))
+            ends = (statistics[f"{answer.quantity}{suffix}"].values for suffix in ENDS)
             precision_columns[name] = relative_half_width(*ends)
     if "critical_constriction_x_lower" in statistics:
         # 0 times a decision: NaN where there is none

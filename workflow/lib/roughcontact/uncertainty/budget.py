@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.checking import check_choice, check_labelled
 from roughcontact.arguments.choices import UncertaintySource
 from roughcontact.arguments.ranges import ends, name_of_range
 from roughcontact.arguments.si import as_si
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError
-from roughcontact.statistics.allowed import ENDS
 from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.surface.window.transfer import undone
@@ -186,8 +186,8 @@ def error_budget(
     sensitivities, of_inputs = input_uncertainty(result, solved, ranges)
     columns |= {f"{name}_sensitivity": (("load", "input"), slopes) for name, slopes in sensitivities.items()}
     columns |= {
-        f"{HARDNESS}{end}": ((), limit)
-        for end, limit in zip(ENDS[1:], hardness, strict=True)
+        f"{HARDNESS}{suffix}": ((), limit)
+        for suffix, limit in zip(ENDS[1:], hardness, strict=True)
         if hardness[0] < hardness[1]
     }
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}

@@ -5,9 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import PEAK
+from roughcontact.arguments.answers import ENDS, PEAK
 from roughcontact.arguments.maps import refined, spacing
-from roughcontact.statistics.allowed import ENDS
 from roughcontact.surface.window.periodic_window import subwindow
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import from_scale, to_scale
@@ -58,11 +57,11 @@ def with_ends(course: xr.Dataset, squares: Mapping[str, np.ndarray]) -> xr.Datas
     """
     with np.errstate(invalid="ignore"):
         ends = {
-            f"{name}{end}": (
+            f"{name}{suffix}": (
                 course[name].dims,
                 from_scale(name, to_scale(name, course[name].values) + sign * np.sqrt(square)),
             )
             for name, square in squares.items()
-            for end, sign in zip(ENDS[1:], (-1, 1), strict=True)
+            for suffix, sign in zip(ENDS[1:], (-1, 1), strict=True)
         }
     return course.assign(ends)

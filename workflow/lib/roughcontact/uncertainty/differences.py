@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.quantities import percent
 from roughcontact.errors import SettingsError
-from roughcontact.statistics.allowed import ENDS
 from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads
 from roughcontact.uncertainty.combination import SIGNS, SOURCES
 from roughcontact.uncertainty.groups import (
@@ -45,7 +45,7 @@ DIFFER = "differ"
 _MAX_MAPS = 500  # maps: more are not asked for
 _MIN_DIFFERENCE = 1e-4  # relative difference: no smaller one is named
 _MORE_PLACES = "measure several places of each"
-_RATIOS = tuple(f"ratio{end}" for end in ENDS)
+_RATIOS = tuple(f"ratio{suffix}" for suffix in ENDS)
 _ALL_CASES = 3  # up to so many, every two are compared
 
 
@@ -227,7 +227,7 @@ def _widths(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarra
 def _reach(name: str, data: xr.Dataset, endings: Sequence[str]) -> list[np.ndarray]:
     """Return how far the ends of an interval lie below and above its value (load), on the scale."""
     middle = to_scale(name, data[name].values)
-    ends = [to_scale(name, data.get(f"{name}{end}", data[name] * np.nan).values) for end in endings]
+    ends = [to_scale(name, data.get(f"{name}{suffix}", data[name] * np.nan).values) for suffix in endings]
     return [middle - ends[0], ends[1] - middle]
 
 

@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.measurement import json_attribute, json_attributes
-from roughcontact.statistics.allowed import ENDS
 from roughcontact.uncertainty.headline import headline_names
 
-_ENDINGS = ("", *(f"{key}{end}" for key in ("", "_next", "_next_part") for end in ENDS[1:]))
-_COMPARED = (*(f"ratio{end}" for end in ENDS), "p_value", "outcome")
+_ENDINGS = ("", *(f"{key}{suffix}" for key in ("", "_next", "_next_part") for suffix in ENDS[1:]))
+_COMPARED = (*(f"ratio{suffix}" for suffix in ENDS), "p_value", "outcome")
 
 
 class NamedGroup(NamedTuple):

@@ -14,12 +14,12 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.kinds import KIND_FACTS
 from roughcontact.arguments.measurement import json_attributes
 from roughcontact.arguments.quantities import quantity
 from roughcontact.errors import SettingsError
 from roughcontact.io.instrument_kinds import of_name
-from roughcontact.statistics.allowed import ENDS
 from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.statistics.load_pairs import common_loads, interpolated, same_load
 from roughcontact.surface.window.band import is_limited_by_grid
@@ -121,7 +121,7 @@ def group_statistics(
     >>> loads = {"mean_pressure": ("load", [1e6]), "contact_modulus": 1e9}
     >>> maps = [xr.Dataset({"mean_gap": ("load", [gap]), **loads}) for gap in (1e-6, 2e-6, 4e-6)]
     >>> found = group_statistics(maps)
-    >>> [f"{found[f'mean_gap{end}'].item():.2e}" for end in ("_lower", "", "_upper")]
+    >>> [f"{found[f'mean_gap{suffix}'].item():.2e}" for suffix in ("_lower", "", "_upper")]
     ['3.57e-07', '2.00e-06', '1.12e-05']
     """
     if not len(datasets) or not all(isinstance(data, xr.Dataset) for data in datasets):
@@ -226,8 +226,8 @@ def _content(dataset: xr.Dataset) -> str:
 def _numbers_of_map(name: str, dataset: xr.Dataset) -> dict[str, np.ndarray]:
     """Return the numbers (load) of a quantity of a single map, by their endings: what it was."""
     unknown = np.full(dataset.sizes["load"], np.nan)
-    endings = (*(f"{key}{end}" for key in _FURTHER for end in ENDS[1:]), "_between", "_within")
-    own = {end: dataset[f"{name}{end}"].values for end in ENDS if f"{name}{end}" in dataset}
+    endings = (*(f"{key}{suffix}" for key in _FURTHER for suffix in ENDS[1:]), "_between", "_within")
+    own = {suffix: dataset[f"{name}{suffix}"].values for suffix in ENDS if f"{name}{suffix}" in dataset}
     return dict.fromkeys(endings, unknown) | own
 
 
@@ -273,20 +273,20 @@ def _numbers_of_maps(
     for key, sides in zip(_FURTHER, widths, strict=True):
         bounds = interval_bounds(name, effects.mean, added_up([half_widths(*sides), *shared_components]))
         limits = limited(name, bounds, value=value, load=loads, hardness=hardest)
-        for end, limit, side in zip(ENDS[1:], limits, sides, strict=True):
-            columns[f"{key}{end}"] = limit + 0 * side  # NaN without an interval
+        for suffix, limit, side in zip(ENDS[1:], limits, sides, strict=True):
+            columns[f"{key}{suffix}"] = limit + 0 * side  # NaN without an interval
     return columns
 
 
 def _hull(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> dict[str, np.ndarray]:
     """Return the range of the intervals of maps: from the lowest end to the highest."""
     columns = {}
-    for end, outermost in zip(ENDS[1:], (np.min, np.max), strict=True):
+    for suffix, outermost in zip(ENDS[1:], (np.min, np.max), strict=True):
         of_maps = [
-            interpolated(data["mean_pressure"].values, loads, data.get(f"{name}{end}", data[name]).values)
+            interpolated(data["mean_pressure"].values, loads, data.get(f"{name}{suffix}", data[name]).values)
             for data in datasets
         ]
-        columns[end] = outermost(of_maps, axis=0)
+        columns[suffix] = outermost(of_maps, axis=0)
     return columns
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import scipy
 import xarray as xr
 
+from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.arguments.quantities import Unit, counted_noun, percent, quantity
-from roughcontact.statistics.allowed import ENDS
 from roughcontact.statistics.outcome import CheckName
 from roughcontact.statistics.precision import precision_in_words, relative_half_width
 from roughcontact.uncertainty.calibration import scatter_between_maps, table
@@ -83,7 +83,9 @@ def add_overview_line(statistics: xr.Dataset) -> xr.Dataset:
     at_load = statistics.isel(load=_typical_load(statistics))
     phrases = []
     for name, word, unit in ((GAP, "gap", Unit(1.0, "m")), (AREA, "contact area", Unit(100.0, "%"))):
-        value, *ends = (float(at_load[f"{name}{end}"]) for end in (*ENDS, "_alone_lower", "_alone_upper"))
+        value, *ends = (
+            float(at_load[f"{name}{suffix}"]) for suffix in (*ENDS, "_alone_lower", "_alone_upper")
+        )
         now, before = (precision_in_words(value, low, high, unit) for low, high in (ends[:2], ends[2:]))
         if now != before:
             phrases.append(f"{word} known {now} ({before} without the overview)")
@@ -154,7 +156,7 @@ def _known(statistics: xr.Dataset) -> tuple[float, float, dict[str, float]]:
     if f"{AREA}_components" not in statistics:
         return math.nan, math.nan, {}
     at_load = statistics.isel(load=_typical_load(statistics))
-    value, lower, upper = (float(at_load[f"{AREA}{end}"]) for end in ENDS)
+    value, lower, upper = (float(at_load[f"{AREA}{suffix}"]) for suffix in ENDS)
     is_unbounded = at_load[f"{AREA}_components"].isnull().any("component").values
     widths = np.where(is_unbounded, np.inf, at_load[f"{AREA}_uncertainty"].values / value)
     by_source = dict(zip(at_load["source"].values, map(float, widths), strict=True))

@@ -14,12 +14,12 @@ import numpy as np
 import scipy
 import xarray as xr
 
+from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.choices import UncertaintySource
 from roughcontact.arguments.ranges import ends
 from roughcontact.contact.elasticity.closed_forms import hertz_ellipse
 from roughcontact.contact.solve import NEAR_HARDNESS, solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.statistics.allowed import ENDS
 from roughcontact.statistics.conductance import Bodies, conductance_columns, conductivity_ranges
 from roughcontact.statistics.precision import widened
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, OF_MATERIAL, error_budget
@@ -117,7 +117,7 @@ def whole_contact(
                 columns[f"local_{kind}{key}"] = np.where(np.isinf(resistance), np.nan, resistance)
     for name, (mean, *both) in conductivity_ranges(bodies).items():
         is_thermal = name.startswith("thermal")
-        keys = [f"local_{'thermal' if is_thermal else 'electrical'}_resistance{end}" for end in ENDS]
+        keys = [f"local_{'thermal' if is_thermal else 'electrical'}_resistance{suffix}" for suffix in ENDS]
         if keys[1] in columns:
             factors = sorted((end / mean) ** (-1 if is_thermal else 1) for end in both)
             columns |= dict(zip(keys[1:], widened([columns[key] for key in keys], factors), strict=True))

@@ -5,6 +5,7 @@ from typing import Any
 
 import xarray as xr
 
+from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.kinds import FINITE_BODY
 from roughcontact.contact.solve import solve_contact
 from roughcontact.evaluation.kinds.periodic_map import PeriodicMap, Settings, SolvedMap
@@ -34,10 +35,10 @@ class FiniteBody(FiniteBodyPreparation, PeriodicMap):
         """Return the statistics with area and radius of the contact that follow from the relative area."""
         sizes = {}
         for name, power in (("contact_area", 1.0), ("contact_radius", 0.5)):
-            for end in ("", "_lower", "_upper"):
-                if (area := f"relative_contact_area{end}") in statistics:
+            for suffix in ENDS:
+                if (area := f"relative_contact_area{suffix}") in statistics:
                     ratio = statistics[area] / solved["relative_contact_area"]
-                    sizes[f"{name}{end}"] = solved[name] * ratio**power
+                    sizes[f"{name}{suffix}"] = solved[name] * ratio**power
         return statistics.assign(sizes)
 
     def add_improvement(self, statistics: xr.Dataset) -> xr.Dataset:
