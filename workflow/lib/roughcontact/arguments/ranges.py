@@ -43,8 +43,8 @@ def ends(value: float, shares: float | Shares | None) -> tuple[float, float]:
     >>> ends(2.0, 0.25), ends(2.0, [0.25, 1.0]), ends(2.0, None)
     ((1.5, 2.5), (1.5, 4.0), (2.0, 2.0))
     """
-    both = [shares or 0.0] if shares is None or isinstance(shares, int | float) else list(shares)
-    return value * (1 - both[0]), value * (1 + both[-1])
+    sides = [shares or 0.0] if shares is None or isinstance(shares, int | float) else list(shares)
+    return value * (1 - sides[0]), value * (1 + sides[-1])
 
 
 def weighted(values: Sequence[float], ranges: Sequence[float | Shares | None]) -> tuple[float, float, float]:
@@ -56,10 +56,10 @@ def weighted(values: Sequence[float], ranges: Sequence[float | Shares | None]) -
     (7.0, 6.0, 8.0)
     """
     total = math.fsum(values)
-    both = [ends(value, shares) for value, shares in zip(values, ranges, strict=True)]
+    bounds = [ends(value, shares) for value, shares in zip(values, ranges, strict=True)]
     below, above = (
         math.hypot(*(end - value for value, end in zip(values, side, strict=True)))
-        for side in zip(*both, strict=True)
+        for side in zip(*bounds, strict=True)
     )
     return total, total - below, total + above
 

@@ -31,17 +31,17 @@ def parse_rectangles(column: str, text: str) -> list[Rectangle]:
     >>> len(parse_rectangles("mask", "0.1 0.1 0.2 0.3 mm; 0 0 1 0.02 mm"))
     2
     """
-    begin, rectangles = f"{column} = {text!r}: ", []
+    message, rectangles = f"{column} = {text!r}: ", []
     parts = [part.strip() for part in text.split(";") if part.strip()]
     for part in parts:
         try:
             edges = lengths_in_text(part, 4)
         except ValueError as error:
-            raise SettingsError(f"{begin}{error}") from error
+            raise SettingsError(f"{message}{error}") from error
         if edges is None:
             comma = re.search(r"\d,\d", part)
             raise SettingsError(
-                begin
+                message
                 + (
                     "write a decimal point, not a comma, and blanks between the numbers"
                     if comma
@@ -52,9 +52,9 @@ def parse_rectangles(column: str, text: str) -> list[Rectangle]:
         x1, y1, x2, y2 = edges
         if x1 == x2 or y1 == y2:
             raise SettingsError(
-                f"{begin}a rectangle without an area; its two corners lie opposite each other"
+                f"{message}a rectangle without an area; its two corners lie opposite each other"
             )
         rectangles.append(Rectangle(min(x1, x2), min(y1, y2), max(x1, x2), max(y1, y2)))
     if column == "crop" and len(rectangles) > 1:
-        raise SettingsError(f"{begin}has {len(rectangles)} rectangles; a map is cropped to one")
+        raise SettingsError(f"{message}has {len(rectangles)} rectangles; a map is cropped to one")
     return rectangles

@@ -132,9 +132,9 @@ def with_modulus_at_rest(body: Any) -> Any:
     """
     if not isinstance(body, Mapping) or not isinstance(body.get("relaxation"), str | Mapping):
         return body
-    stated = {key: value for key, value in body.items() if value is not None}
-    modulus = stated.get("youngs_modulus") or relaxation_of(body["relaxation"]).at_rest()
-    return {"poissons_ratio": RUBBER_RATIO} | stated | {"youngs_modulus": modulus}
+    properties = {key: value for key, value in body.items() if value is not None}
+    modulus = properties.get("youngs_modulus") or relaxation_of(body["relaxation"]).at_rest()
+    return {"poissons_ratio": RUBBER_RATIO} | properties | {"youngs_modulus": modulus}
 
 
 def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
@@ -241,13 +241,13 @@ def _shift(stated: Mapping[str, Any]) -> float:
     Williams, Landel and Ferry (1955), J. Am. Chem. Soc. 77, 3701.
     """
     keys = ("wlf", "reference_temperature", "temperature")
-    given = [key for key in keys if stated.get(key) is not None]
-    if not given:
+    given_keys = [key for key in keys if stated.get(key) is not None]
+    if not given_keys:
         return 1.0
-    if len(given) < len(keys) or np.shape(stated["wlf"]) != (2,):
+    if len(given_keys) < len(keys) or np.shape(stated["wlf"]) != (2,):
         raise SettingsError(
             "relaxation: another temperature needs wlf = [C1, C2 (K)], reference_temperature and "
-            f"temperature, both in °C or both in K; given: {', '.join(given)}",
+            f"temperature, both in °C or both in K; given: {', '.join(given_keys)}",
             keys=["relaxation"],
         )
     first, second = map(float, stated["wlf"])

@@ -229,18 +229,18 @@ def contact_table(
     window = labelled_in_si(check_labelled(window))
     warn_of_seams(window, rms_gradient(window), stacklevel=3)
     contact |= {"contact_modulus": contact_modulus, "bodies": bodies}
-    given = {key: value for key, value in contact.items() if value is not None}
-    if not given.keys() & {"mean_pressure", "relative_pressure", "force"}:
-        solver = resolve({"contact": given})[""]["contact"]
+    given_settings = {key: value for key, value in contact.items() if value is not None}
+    if not given_settings.keys() & {"mean_pressure", "relative_pressure", "force"}:
+        solver = resolve({"contact": given_settings})[""]["contact"]
         scale = solver["contact_modulus"] * rms_gradient(window)
         limit = _BELOW_HARDNESS * (solver["hardness"] or np.inf)
         heaviest = _HEAVIEST if _HEAVIEST * scale < limit else limit / scale
-        given["relative_pressure"] = (heaviest * np.geomspace(_LIGHTEST, 1, loads)).tolist()
+        given_settings["relative_pressure"] = (heaviest * np.geomspace(_LIGHTEST, 1, loads)).tolist()
     statistics = evaluate(
         window,
         level={"form": "none", "line_alignment": "none", "outlier_threshold": None},
         window={"method": "raw"},
-        contact=given,
+        contact=given_settings,
         statistics={"flow": "always"},
         threads=threads,
         progress=progress,

@@ -71,7 +71,7 @@ def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:
     names = [f"{name}_largest_Sq{suffix}" for suffix in ENDS]
     if names[0] not in numbers or not np.isfinite(np.asarray(numbers[names[0]])[index]):
         return ""
-    largest, *bounds = (float(np.asarray(numbers[each])[index]) for each in names)
+    largest, *bounds = (float(np.asarray(numbers[key])[index]) for key in names)
     interval = " to ".join(quantity(bound, "m") for bound in bounds) if np.isfinite(bounds).all() else ""
     return (
         f"; holds for Sq up to {quantity(largest, 'm')}{f' ({interval})' if interval else ''} of this texture"

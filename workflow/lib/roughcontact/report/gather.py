@@ -175,7 +175,7 @@ def map_comparisons(
     With them comes a sentence for each that cannot be made.
     """
     one_place = [(earlier, later) for earlier, later in same_area_pairs]
-    of_faces = [(reference, partner) for reference, *others in pairs.values() for partner in others]
+    of_faces = [(reference, partner) for reference, *partners in pairs.values() for partner in partners]
     result: dict[tuple[str, str], xr.Dataset] = {}
     omissions: list[str] = []
     for case, of_case in by_case.items():

@@ -110,13 +110,13 @@ def asked_columns(results: Sequence[xr.Dataset]) -> list[int]:
     >>> [HEADINGS[place] for place in asked_columns([seal])[1:]], asked_columns([xr.Dataset()])
     (['seals?'], [0, 1, 2, 3])
     """
-    asked = {
+    numbers_asked = {
         name
         for numbers in results
         for name in [key for key, by in ASKED_BY.items() if any(has_number(numbers, one) for one in by)]
         or USUAL
     }
-    return [0, *(place for place, name in enumerate(COLUMN_NAMES, 1) if name in asked)]
+    return [0, *(place for place, name in enumerate(COLUMN_NAMES, 1) if name in numbers_asked)]
 
 
 def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell]) -> str:
@@ -192,8 +192,10 @@ def glance_rows(
                 cell = interval_cell(plain, name, units, index)
             # what is not judged has no verdict
             if cell.text != NOT_JUDGED:
-                held = [allowed_in_words(plain, allowed, index) for allowed in stated_allowed(plain, name)]
-                details = "; ".join(filter(None, [cell.details, *held]))
+                sentences = [
+                    allowed_in_words(plain, allowed, index) for allowed in stated_allowed(plain, name)
+                ]
+                details = "; ".join(filter(None, [cell.details, *sentences]))
                 cell = cell._replace(details=details, outcome=outcome_of(plain, index, name))
             row.append(cell)
         rows.append(row)

@@ -68,8 +68,8 @@ def _range_of_hardness(statistics: xr.Dataset) -> str:
     if "hardness_lower" not in statistics:
         return "taken as exact"
     unit = unit_of(statistics, "Pa")
-    both = [float(statistics[f"hardness_{suffix}"]) for suffix in ("lower", "upper")]
-    return f"in the intervals {unit.ends(*both)}"
+    bounds = [float(statistics[f"hardness_{suffix}"]) for suffix in ("lower", "upper")]
+    return f"in the intervals {unit.ends(*bounds)}"
 
 
 def _rounded_up(bound: float) -> float:

@@ -72,13 +72,13 @@ def _speed_axis(speed: np.ndarray) -> Axis:
 def _friction(over: xr.Dataset) -> Chart:
     """Draw the coefficient of friction with its interval against the speed, and theories beside it."""
     speed, values = over["speed"].values, over[FRICTION].values
-    others = {label: over[name].values for name, label in _LINES.items() if name in over}
+    lines = {label: over[name].values for name, label in _LINES.items() if name in over}
     lower, upper = (over[f"{FRICTION}_{suffix}"].values for suffix in ("lower", "upper"))
-    plotted = np.concatenate([values, lower, upper, *others.values()])
+    plotted = np.concatenate([values, lower, upper, *lines.values()])
     chart = Chart(_speed_axis(speed), log_axis("coefficient of friction μ", plotted, room=1.3))
     chart.bars(speed, lower, upper, colour=COLOURS[0])
     chart.series(0, speed, values, label="hysteresis, as solved")
-    for index, (label, curve) in enumerate(others.items(), start=1):
+    for index, (label, curve) in enumerate(lines.items(), start=1):
         chart.series(index, speed, curve, label=label)
     return chart
 

@@ -145,9 +145,11 @@ def number_text(numbers: Numbers, name: str, unit: Unit, index: int) -> str:
     if name in _GAPS and not (value >= CLOSED and ends[0] >= CLOSED):  # finer than atoms nothing is known
         ends = [0.0 if end < CLOSED else end for end in ends]
         if 0 < value < CLOSED:
-            least = f"< {number(CLOSED * unit.factor, digits=1)}"
+            closed = f"< {number(CLOSED * unit.factor, digits=1)}"
             return (
-                least if not ends[1] > 0 else f"{least} ({unit.ends(*ends).removesuffix(f' {unit.symbol}')})"
+                closed
+                if not ends[1] > 0
+                else f"{closed} ({unit.ends(*ends).removesuffix(f' {unit.symbol}')})"
             )
     if lacks_interval(numbers, name):  # the digits that the contact area carries
         area, *area_ends = interval_at(numbers, AREA, index)

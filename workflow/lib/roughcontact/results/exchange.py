@@ -245,8 +245,8 @@ def write_contact_law(table: xr.Dataset, path: str | Path) -> None:
         conductance = table[names[0]].values
         slope = (conductance[1] - conductance[0]) / (pressure[1] - pressure[0])
         unloaded = max(0.0, conductance[0] - slope * pressure[0])
-        known = np.append(True, np.isfinite(conductance))
-        rows = np.append(unloaded, conductance)[known] * 1e-3, np.append(0.0, pressure)[known] * 1e-6
+        is_known = np.append(True, np.isfinite(conductance))
+        rows = np.append(unloaded, conductance)[is_known] * 1e-3, np.append(0.0, pressure)[is_known] * 1e-6
         lines += ["** conductance, pressure", "*GAP CONDUCTANCE, PRESSURE", *_rows(*rows)]
     write_text("\n".join(lines) + "\n", path)
 

@@ -115,14 +115,16 @@ def with_allowed(
         limit = stated.get(f"allowed_{name}")
         if limit is None or not any(number in complete for number in allowed.numbers):
             continue
-        found = compare(
+        crossing = compare(
             complete["mean_pressure"].values,
             compared_ends(complete, name),
             allowed=limit**allowed.sense,
             trend=allowed.trend,
         )
-        columns |= {f"allowed_{name}": limit, f"{name}_holds": ("load", found.holds)}
-        columns |= {f"{name}_holds_from{suffix}": load for suffix, load in zip(ENDS, found[1:], strict=True)}
+        columns |= {f"allowed_{name}": limit, f"{name}_holds": ("load", crossing.holds)}
+        columns |= {
+            f"{name}_holds_from{suffix}": load for suffix, load in zip(ENDS, crossing[1:], strict=True)
+        }
     return complete.assign(columns)
 
 

@@ -77,8 +77,8 @@ def conductivity_ranges(bodies: Bodies | None) -> dict[str, tuple[float, float, 
             continue
         # the ends of 1/k are those of k, exchanged
         shares = [(1 - pair[::power][0] ** power, pair[::power][1] ** power - 1) for pair in relative]
-        mean, *both = (total / 2 for total in weighted(list(values**power), shares))
-        lower, upper = sorted(end**power for end in both)
+        mean, *bounds = (total / 2 for total in weighted(list(values**power), shares))
+        lower, upper = sorted(end**power for end in bounds)
         results[name] = mean**power, lower, upper
     return results
 

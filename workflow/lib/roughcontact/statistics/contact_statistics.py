@@ -392,8 +392,8 @@ def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
             lower, upper = (unit * statistics[f"{base}_{bound}"] for bound in ("lower", "upper"))
             factors = _factors(statistics, "thermal_conductivity")
             if transport == "electrical":
-                least, most = _factors(statistics, "electrical_resistivity")
-                factors = 1 / most, 1 / least
+                lowest, most = _factors(statistics, "electrical_resistivity")
+                factors = 1 / most, 1 / lowest
             lower, upper = widened((statistics[name], lower, upper), factors)
             bounds |= {f"{name}_lower": lower, f"{name}_upper": upper}
             # a conductance without an upper end leaves a resistance down to none

@@ -85,8 +85,8 @@ def is_yielding(numbers: Numbers) -> np.ndarray:
     )
     value, lower, upper = (_of_loads(numbers, f"{PEAK}{suffix}") for suffix in ENDS)
     below = _of_loads(numbers, "volume_above_yield")  # infinite where all of a body yields
-    beyond = _of_loads(numbers, "mean_pressure") / _number(numbers, "first_yield_pressure")
-    rise = np.maximum(beyond, 1.0) ** facts_of_numbers(numbers).power_of_largest_pressure
+    yield_ratio = _of_loads(numbers, "mean_pressure") / _number(numbers, "first_yield_pressure")
+    rise = np.maximum(yield_ratio, 1.0) ** facts_of_numbers(numbers).power_of_largest_pressure
     everywhere = (lower * np.nan_to_num(rise, nan=1.0) >= softest) | (
         1.5 * _of_loads(numbers, f"{PRESSURE}_lower")
         >= softest  # a smooth spot has 1.5 times its mean (Hertz)

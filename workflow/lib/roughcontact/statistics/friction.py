@@ -38,9 +38,9 @@ def friction_statistics(
     if shear_strength is not None:
         columns["friction_coefficient"] = "load", [shear_strength * relative_area / load]
         if shear_strength_uncertainty is not None:
-            both = ends(shear_strength, shear_strength_uncertainty)
+            bounds = ends(shear_strength, shear_strength_uncertainty)
             columns["shear_strength"] = shear_strength
-            columns["shear_strength_lower"], columns["shear_strength_upper"] = both
+            columns["shear_strength_lower"], columns["shear_strength_upper"] = bounds
     if tangential_load is not None:
         if coefficient is None:
             raise _missing("tangential_load", "coefficient")

@@ -45,9 +45,11 @@ def paired_loads(
         np.asarray(data.get("relative_pressure", load / float(data.get("contact_modulus", np.nan))))
         for data, load in zip((first, second), pascals, strict=True)
     ]
-    alike = [np.argwhere(same_load(loads[0][:, None], loads[1])).tolist() for loads in (pascals, relative)]
+    equal_loads = [
+        np.argwhere(same_load(loads[0][:, None], loads[1])).tolist() for loads in (pascals, relative)
+    ]
     partners: dict[int, int] = {}
-    for index, partner in chain(*sorted(alike, key=len, reverse=True)):
+    for index, partner in chain(*sorted(equal_loads, key=len, reverse=True)):
         if index not in partners and partner not in partners.values():
             partners[index] = partner
     ordered = sorted(partners)

@@ -176,7 +176,7 @@ def _numbers(
     # octaves of wavelengths from two pixels on; the few shorter waves, oblique ones, count to the first
     shortest = np.divide(np.pi / max(steps), length, out=np.ones_like(length), where=length > 0)
     octave = np.maximum(0, np.ceil(np.log2(shortest) - 1e-9)).astype(int)
-    beyond = (frequency < rubber.frequencies[0]) | (frequency > rubber.frequencies[1])
+    outside_table = (frequency < rubber.frequencies[0]) | (frequency > rubber.frequencies[1])
     shares = np.bincount(octave.ravel(), of_waves.ravel()) / (friction or 1.0)
     numbers: dict[str, Any] = {
         FRICTION: friction,
@@ -188,7 +188,7 @@ def _numbers(
         PEAK: float(pressure.max()),
         GAP: float(gap.mean()),
         "friction_share_of_octave": ("octave", shares),
-        "friction_share_beyond_table": float(of_waves[beyond].sum()) / (friction or 1.0),
+        "friction_share_beyond_table": float(of_waves[outside_table].sum()) / (friction or 1.0),
     }
     if seal is not None:
         leaks = leak_columns(numbers[GAP], flow_columns(gap, steps) | percolation_columns(gap), **seal)

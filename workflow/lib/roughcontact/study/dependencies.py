@@ -87,8 +87,8 @@ def _named(text: str, folder_of_module: Path) -> list[Path]:
             else []
         )
     places = folder_of_module / text, folder_of_module.parent / text
-    if found := [place for place in places if place.is_file()]:
-        return found[:1]
+    if existing := [place for place in places if place.is_file()]:
+        return existing[:1]
     if head != PACKAGE.name or text == READERS or not all(name.isidentifier() for name in names):
         return []
     folder = PACKAGE.joinpath(*names)

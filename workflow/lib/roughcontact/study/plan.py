@@ -337,8 +337,8 @@ class Plan:
             return BASE_MEMORY + 400 * millions
         if rule.startswith("prepare"):
             row = self.row(surface)
-            others = {"repeat": 130, "place": 230}  # bytes a point
-            bytes_each = max([90, *(others[key] for key in others if key in row.read_arguments)])
+            extra_bytes = {"repeat": 130, "place": 230}  # bytes a point
+            bytes_each = max([90, *(extra_bytes[key] for key in extra_bytes if key in row.read_arguments)])
             return BASE_MEMORY + max(reading_memory(row.path), bytes_each * millions)
         if rule == "panel":  # a map or two at a time
             return BASE_MEMORY + 115 * millions

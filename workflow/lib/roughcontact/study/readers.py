@@ -28,8 +28,8 @@ def reader_digest(path: str | Path) -> str:
 @cache
 def _digest(name: str) -> str:
     module = PACKAGE / f"io/readers/{name}.py"
-    own = hashlib.sha256(module.read_bytes()).hexdigest() if module.is_file() else ""
-    return f"{name} {own[:16]} {source_digest(module) if own else ''}"
+    digest = hashlib.sha256(module.read_bytes()).hexdigest() if module.is_file() else ""
+    return f"{name} {digest[:16]} {source_digest(module) if digest else ''}"
 
 
 @cache

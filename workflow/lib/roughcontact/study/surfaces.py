@@ -144,10 +144,10 @@ class Surface:
 
     def placements(self, count: int) -> dict[str, Placement]:
         """Return so many relative positions of the files by name, none of a single one."""
-        face, *others = (file.name for file in self.files())
+        face, *partners = (file.name for file in self.files())
         return {
             f"{self.name}-{number}": Placement(self.name, number, face, counter_face)
-            for counter_face in others
+            for counter_face in partners
             for number in range(1, count + 1)
         }
 

@@ -74,10 +74,10 @@ def input_uncertainty(
         if lowest == highest:
             continue
         bounds = [_end(source, factor, result, solution) for factor in (lowest, highest)]
-        stated = values
+        limited_values = values
         if source == HARDNESS:
-            stated = values | {AREA: np.fmax(values[AREA], result.load / result.hardness)}
-        for name, value in stated.items():
+            limited_values = values | {AREA: np.fmax(values[AREA], result.load / result.hardness)}
+        for name, value in limited_values.items():
             below, above, secants[source, name] = effect(value, bounds, name)
             # what flows has the pressure of its area, whatever edges of pixels say
             if not np.isnan(above).all() and (source, name) != (HARDNESS, PRESSURE):

@@ -42,8 +42,8 @@ def window_components(
     for measurand, name in product(measurands, middle):
         if measurand == "map" and (scatter.of_positions or not has_scatter):
             below = above = np.zeros(gap.shape)
-        elif own := scatter.arms.get(measurand, {}).get(name):  # whatever the size of the map
-            below, above = own
+        elif arm := scatter.arms.get(measurand, {}).get(name):  # whatever the size of the map
+            below, above = arm
         elif measurand == JOINT:  # of which the map says nothing
             continue
         elif has_scatter:

@@ -121,12 +121,12 @@ def _view(
     arguments: Mapping[str, Any],
 ) -> View:
     """Return what an overview shows of other places than that of the map."""
-    alike = [  # as maps of one instrument are
+    like_it = [  # as maps of one instrument are
         other
         for other in (overview, *overviews)
         if np.allclose(spacing(other), spacing(overview), rtol=_SAME_PIXELS)
     ]
-    places = ((other, recorded_place(other)) for other in alike)
+    places = ((other, recorded_place(other)) for other in like_it)
     own = next((other.isel(window_of_place(fine, other, place)) for other, place in places if place), None)
     here = shown_by(fine, overview) if own is None else own
     return View(
@@ -217,11 +217,11 @@ def with_views(alone: Scatter, result: Result, views: Sequence[View]) -> Scatter
         ends = {key: calibration.arms(key, name, alone.features[name], area, gap) for key in arms}
         for key in OTHER_PLACES:
             shown = [view.numbers(key, name, area) for view in ([largest] if key == JOINT else views)]
-            centre, *both = _combined(np.array(shown))
+            centre, *bounds = _combined(np.array(shown))
             # NaN where all overviews, or the own place in them, are closed
             centres[key] = np.nan_to_num(centre)
             below, above = (
-                np.where(np.isnan(arm), other, arm) for arm, other in zip(both, ends[key], strict=True)
+                np.where(np.isnan(arm), bound, arm) for arm, bound in zip(bounds, ends[key], strict=True)
             )
             ends[key] = below, above
         shift[name] = centres["surface"]

@@ -99,8 +99,8 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     try:
         if isinstance(stated_bodies, list):
             # a hardness of the contact goes before those of the table
-            stated = contact_section.get("hardness") is not None
-            no_hardness = {"hardness": None, name_of_range("hardness"): None} if stated else {}
+            has_hardness = contact_section.get("hardness") is not None
+            no_hardness = {"hardness": None, name_of_range("hardness"): None} if has_hardness else {}
             contact_section["bodies"] = [
                 body | no_hardness if isinstance(body, dict) else body for body in named_bodies(stated_bodies)
             ]
@@ -257,8 +257,8 @@ def _derive(contact: dict[str, Any]) -> None:
         if hard := [body for body in bodies if body["hardness"] is not None]:
             contact["hardness"] = min(body["hardness"] for body in hard)  # the softer body flows first
             if contact["hardness_uncertainty"] is None and any(body["hardness_uncertainty"] for body in hard):
-                both = [ends(body["hardness"], body["hardness_uncertainty"]) for body in hard]
-                lowest, highest = map(min, zip(*both, strict=True))
+                limits = [ends(body["hardness"], body["hardness_uncertainty"]) for body in hard]
+                lowest, highest = map(min, zip(*limits, strict=True))
                 contact["hardness_uncertainty"] = shares_of_range(contact["hardness"], lowest, highest)
     if contact["force"] and contact["area"]:
         contact["mean_pressure"] = [force / contact["area"] for force in contact["force"]]

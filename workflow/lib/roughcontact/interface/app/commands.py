@@ -65,14 +65,14 @@ def results(settings: Mapping[str, Any] | None) -> dict[str, tuple[Summary, bool
 
     Where no settings are known, all results are those of others.
     """
-    found = {}
+    values = {}
     for panel in sorted(RESULTS.rglob("panel.json")):
         name = panel.parent.relative_to(RESULTS).as_posix()
         if settings is None or name in settings:
             made_with = _settings_of(panel.with_name("statistics.nc"), panel.stat().st_mtime_ns)
             wanted = None if settings is None else json.loads(json.dumps(settings[name]))
-            found[name] = read_summary(panel), made_with == wanted
-    return found
+            values[name] = read_summary(panel), made_with == wanted
+    return values
 
 
 @cache

@@ -33,8 +33,8 @@ def texts_for(job: str, texts: Mapping[str, str], aside: dict[str, str], *, form
     others = _LOADS - {*JOBS[job].settings} if former else {*()}
     aside |= {name: text for name, text in texts.items() if text and _listed(name) in others}
     returned = [name for name in aside if _listed(name) not in others]
-    kept = {name: text for name, text in texts.items() if _listed(name) not in others}
-    return kept | {name: aside.pop(name) for name in returned} | JOBS[job].made
+    kept_texts = {name: text for name, text in texts.items() if _listed(name) not in others}
+    return kept_texts | {name: aside.pop(name) for name in returned} | JOBS[job].made
 
 
 def _listed(name: str) -> str:

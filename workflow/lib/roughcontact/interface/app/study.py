@@ -159,8 +159,8 @@ def write(files: Mapping[Path, str], *, keep: bool) -> str:
 
 def _field_of(mistake: SettingsError) -> str:
     """Return the name of the field of a mistake, as the form has it; empty where there is none."""
-    head, *others = mistake.place.split(".")
+    head, *keys = mistake.place.split(".")
     if head == "rows":  # by their lines, which begin with those of the head of the file and of the columns
-        return f"rows.{int(others[0]) - 3}.{others[1]}"
+        return f"rows.{int(keys[0]) - 3}.{keys[1]}"
     # contact.bodies[0].hardness is a field of its own, an entry of a list belongs to that of the list
     return "cases" if head == "cases" else re.sub(r"\[(\d+)\](?=.)", r".\1", mistake.place).partition("[")[0]

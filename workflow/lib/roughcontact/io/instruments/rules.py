@@ -53,9 +53,9 @@ def _metropro_size(data: mmap.mmap, header: Header, points: int) -> int:
 
 
 def _metropro(data: mmap.mmap, header: Header) -> str:
-    points, stated = header["cn_org_width"] * header["cn_org_height"], header["cn_n_bytes"]
-    wrong = f"its header counts {stated} bytes of heights, which are no {points} points"
-    return "" if stated == 4 * points else wrong
+    points, n_bytes = header["cn_org_width"] * header["cn_org_height"], header["cn_n_bytes"]
+    wrong = f"its header counts {n_bytes} bytes of heights, which are no {points} points"
+    return "" if n_bytes == 4 * points else wrong
 
 
 def _nanofocus_size(data: mmap.mmap, header: Header, points: int) -> int:

@@ -35,15 +35,15 @@ def read(path: Path) -> MeasuredFile:
     """Open a file; only the sizes of its images are read."""
     from PIL.TiffImagePlugin import TiffImageFile
 
-    stated = dict(re.findall(r"^(\w+)=(.*)$", _description(path), re.MULTILINE))
-    unit = stated.get("unit", "").encode().decode("unicode_escape", "replace").strip()
-    function = int(stated.get("cf", _NO_FUNCTION))
+    properties = dict(re.findall(r"^(\w+)=(.*)$", _description(path), re.MULTILINE))
+    unit = properties.get("unit", "").encode().decode("unicode_escape", "replace").strip()
+    function = int(properties.get("cf", _NO_FUNCTION))
     if _STRAIGHT_LINE < function < _NO_FUNCTION:
         raise InputFileError(
             "its values are calibrated by a curve, which is not followed; save them as floats"
         )
-    line = float(stated.get("c0", 0.0)), float(stated.get("c1", 1.0))
-    height_unit = stated.get("vunit") if function == _STRAIGHT_LINE else None
+    line = float(properties.get("c0", 0.0)), float(properties.get("c1", 1.0))
+    height_unit = properties.get("vunit") if function == _STRAIGHT_LINE else None
     lateral_unit = unit if is_length(unit) else None
     channels = []
     with refusing("looks like a TIFF of ImageJ, but is damaged"), TiffImageFile(path) as image:

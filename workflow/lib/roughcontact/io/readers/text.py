@@ -634,10 +634,10 @@ def _refuse_other_units(units: list[str | None], text: _Text) -> None:
     bare = any(not entries[key][0].unit for key in LENGTHS if key in entries)  # "Unit" is that of these
     general = [column.unit for column in text.columns or ()] if all(units) and not bare else []
     for entry, own in (("lateral_unit", units[:-1]), ("height_unit", units[-1:]), ("unit", general)):
-        known = [unit for unit in own if unit]
-        for statement in entries.get(entry, [])[:1] if known else ():
-            if not any(same_length(unit, statement.value) for unit in known):
-                wrong = f"{statement}, a heading says {known[-1]!r}: their units do not agree"
+        known_units = [unit for unit in own if unit]
+        for statement in entries.get(entry, [])[:1] if known_units else ():
+            if not any(same_length(unit, statement.value) for unit in known_units):
+                wrong = f"{statement}, a heading says {known_units[-1]!r}: their units do not agree"
                 raise InputFileError(f"{wrong}; correct one")
     for scaled in entries.get("z_factor", [])[:1] if is_length(units[-1]) else ():
         if scaled.value != 1 or scaled.unit not in ("", units[-1]):

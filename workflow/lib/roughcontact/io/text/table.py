@@ -183,8 +183,8 @@ def _are_labelled(lines: list[str]) -> bool:
     if delimiter is None or len(lines) < 2:
         return False
     (label, *cells), (below, *cells_below) = (line.strip().split(delimiter) for line in lines)
-    alike = label != below and re.sub(r"\d", "", label) == re.sub(r"\d", "", below)
-    if not alike or not 1 < len(cells) == len(cells_below) or len(label) > _MAX_CELL:
+    same_words = label != below and re.sub(r"\d", "", label) == re.sub(r"\d", "", below)
+    if not same_words or not 1 < len(cells) == len(cells_below) or len(label) > _MAX_CELL:
         return False
     numbers = [_parse_number(cell.replace(",", ".")) for cell in cells + cells_below if cell.strip()]
     return bool(numbers) and None not in numbers

@@ -81,8 +81,10 @@ def joined_overviews(overviews: Sequence[xr.DataArray]) -> xr.Dataset:
             words = f"{axis} of overview {rank}"
             coordinates[name] = name, overview[axis].values, {"units": "m", "long_name": words}
         words = "surface height of a coarser map around the map"
-        kept = {key: value for key, value in overview.attrs.items() if key.startswith((_PREFIX, "source_"))}
-        attrs = {**kept, "units": "m", "long_name": words}
+        records = {
+            key: value for key, value in overview.attrs.items() if key.startswith((_PREFIX, "source_"))
+        }
+        attrs = {**records, "units": "m", "long_name": words}
         columns[f"overview_{rank}"] = tuple(axes.values()), overview.values, attrs
     return xr.Dataset(columns, coordinates)
 
@@ -189,8 +191,8 @@ def best_place(fine: xr.DataArray, overview: xr.DataArray) -> Place:
     shift, shares = _peak(surface, search.shape(best))
     first = [float(overview[axis][0]) for axis in "yx"]
     y, x = (
-        begin + d * (offset + (n - 1) / 2)
-        for begin, d, offset, n in zip(first, steps, shift, search.shape(best), strict=True)
+        start + d * (offset + (n - 1) / 2)
+        for start, d, offset, n in zip(first, steps, shift, search.shape(best), strict=True)
     )
     return Place(y, x, float(best[0]), float(best[1]), float(surface.max()), float(max(shares)))
 
@@ -351,10 +353,10 @@ class _Search:
         powers = [(i, j) for i in range(self._order + 1) for j in range(self._order + 1 - i)]
         forms = np.linalg.qr(np.column_stack([(y**i * x**j).ravel() for i, j in powers]))[0].T
         squares = self._over_image(self._squares, np.ones(shape))
-        least = 1e-9 * float(squares.max())  # a flat place correlates with nothing
+        tiny = 1e-9 * float(squares.max())  # a flat place correlates with nothing
         for form in forms:
             squares = squares - self._over_image(self._image, form.reshape(shape)) ** 2
-        return np.sqrt(np.maximum(squares, least)), forms
+        return np.sqrt(np.maximum(squares, tiny)), forms
 
     def _over_image(self, image: np.ndarray, template: np.ndarray) -> np.ndarray:
         """Return the sum of products of a template with the transformed image at every shift."""

@@ -51,16 +51,16 @@ def registered(later: xr.DataArray, earlier: xr.DataArray) -> Registered:
     middle = np.array([float(fields[1][axis].mean()) for axis in "yx"])
     template = part_around(fields[1], middle, sides)
     middle = np.array([float(template[axis].mean()) for axis in "yx"])
-    place, least = best_place(template, fields[0]), _MIN_CORRELATION
+    place, required = best_place(template, fields[0]), _MIN_CORRELATION
     if place.uncertainty > MAX_UNCERTAINTY:
         reach = np.array(side_lengths(template)) * (1 + 2 * MAX_UNCERTAINTY)
-        place, least = best_place(template, part_around(fields[0], middle, reach)), MIN_CORRELATION
-    if place.correlation < least:
+        place, required = best_place(template, part_around(fields[0], middle, reach)), MIN_CORRELATION
+    if place.correlation < required:
         names = [str(height.attrs.get("source_file") or "a map") for height in (later, earlier)]
-        where = "at no place alone" if least > _MIN_CORRELATION else "nowhere"
+        where = "at no place alone" if required > _MIN_CORRELATION else "nowhere"
         raise HeightMapError(
             f"before: {names[0]} does not show the place of {names[1]}: its middle fits {where}, best "
-            f"{place}, and has to have {least}; measure the same place, shifted by less than a quarter of "
+            f"{place}, and has to have {required}; measure the same place, shifted by less than a quarter of "
             "the map, or leave before empty"
         )
     return Registered(np.array([place.y, place.x]) - middle, place)
@@ -83,10 +83,10 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
     height = maps[name]
     if min(dimensions(each.shape) for each in maps.values()) < 2:
         return height
-    found = {each: registered(maps[each], maps[before]) for each, before in earlier.items()}
+    registrations = {each: registered(maps[each], maps[before]) for each, before in earlier.items()}
     shifts: dict[str, np.ndarray] = {}
     for each in maps:
-        shifts[each] = shifts[earlier[each]] + found[each].shift if each in earlier else np.zeros(2)
+        shifts[each] = shifts[earlier[each]] + registrations[each].shift if each in earlier else np.zeros(2)
     cuts = {}
     for row, axis in enumerate("yx"):
         first, last = (
@@ -94,15 +94,15 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
         )
         step = spacing(height)[row]
         points = min(height.sizes[axis], round((min(last) - max(first)) / step) + 1)
-        begin = round((max(first) - shifts[name][row] - float(height[axis][0])) / step)
-        begin = min(max(begin, 0), height.sizes[axis] - points)
-        cuts[axis] = slice(begin, begin + points)
+        start = round((max(first) - shifts[name][row] - float(height[axis][0])) / step)
+        start = min(max(start, 0), height.sizes[axis] - points)
+        cuts[axis] = slice(start, start + points)
     part = height.isel(cuts)
     sentences = []
-    if name in found:
-        y, x = found[name].shift
+    if name in registrations:
+        y, x = registrations[name].shift
         moved = f"shifted by ({quantity(x, 'm')}, {quantity(y, 'm')})"
-        words = str(replace(found[name].place, scale=1.0)).partition("), ")[2]  # turn and correlation
+        words = str(replace(registrations[name].place, scale=1.0)).partition("), ")[2]  # turn and correlation
         sentences.append(f"the place of {earlier[name]}, {moved}, {words}")
     if part.shape != height.shape:
         sizes = (" × ".join(map(str, each.shape[::-1])) for each in (part, height))

@@ -73,8 +73,11 @@ def used_region(height: xr.DataArray, *, crop: str = "", mask: str = "") -> xr.D
 def _inside(height: xr.DataArray, rectangle: Rectangle, origin: str) -> xr.DataArray:
     """Return which points (y, x) of a map lie in a rectangle; `origin` begins the message of an error."""
     (ly, lx), (dy, dx) = side_lengths(height), spacing(height)
-    beyond = max(-rectangle.left, rectangle.right - lx) / dx, max(-rectangle.lower, rectangle.upper - ly) / dy
-    if max(beyond) > 1:  # a unit may be wrong; what is drawn by hand ends at the border
+    overhang = (
+        max(-rectangle.left, rectangle.right - lx) / dx,
+        max(-rectangle.lower, rectangle.upper - ly) / dy,
+    )
+    if max(overhang) > 1:  # a unit may be wrong; what is drawn by hand ends at the border
         raise HeightMapError(
             f"{origin}: reaches beyond the map, which is {quantity(lx, 'm')} along x and "
             f"{quantity(ly, 'm')} along y; count from its lower left corner, and check the unit"
