@@ -58,7 +58,7 @@ def weighted(values: Sequence[float], ranges: Sequence[float | Shares | None]) -
     total = math.fsum(values)
     bounds = [ends(value, shares) for value, shares in zip(values, ranges, strict=True)]
     below, above = (
-        math.hypot(*(end - value for value, end in zip(values, side, strict=True)))
+        math.hypot(*(bound - value for value, bound in zip(values, side, strict=True)))
         for side in zip(*bounds, strict=True)
     )
     return total, total - below, total + above

@@ -66,8 +66,8 @@ class Relaxation:
                 f"{longest:.2g} s",
                 keys=["time"],
             )
-        poles, place = np.unique(1 / self.times, return_inverse=True)
-        moduli, plateau = np.bincount(place, self.moduli), self.long_time_modulus
+        poles, index = np.unique(1 / self.times, return_inverse=True)
+        moduli, plateau = np.bincount(index, self.moduli), self.long_time_modulus
 
         def modulus(logarithm: float) -> float:
             rate = np.exp(logarithm)

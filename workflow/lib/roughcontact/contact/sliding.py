@@ -94,7 +94,7 @@ def sliding_contact(
     def applied(factor: np.ndarray, field: np.ndarray) -> np.ndarray:
         return np.fft.irfft2(factor * np.fft.rfft2(field), s=field.shape)
 
-    size, stored = np.abs(symbol), symbol.real
+    size, storage = np.abs(symbol), symbol.real
     stiff = elastic(np.real)
     reflection = np.divide(size - symbol, size + symbol, out=np.zeros_like(symbol), where=size > 0)
     pressure = np.full(heights.shape, load) if start is None else start
@@ -111,16 +111,16 @@ def sliding_contact(
         )
         start = pressure = np.array(next(solutions)[0].pressure)
         certified = nondimensionalise(
-            window.copy(data=heights + applied(stored - symbol, pressure)), threads=threads
+            window.copy(data=heights + applied(storage - symbol, pressure)), threads=threads
         )
         grid, state = _stiff_grid(certified, stiff, pressure, threads=threads)
         bound = error_bound(grid, state, grid.residual(state, precision=DOUBLE))
         contacts += 1
     power = halfplane_weights(heights.shape) * wave_power(pressure)
     friction_of_waves = power * loss / load
-    dissipated = np.divide(loss, stored, out=np.zeros_like(loss), where=stored > 0)
+    dissipated = np.divide(loss, storage, out=np.zeros_like(loss), where=storage > 0)
     # <p, L p> - <p*, L p*> = 2 <e, L p> - <e, L e>, L the symmetric operator of the dissipation
-    error = bound * math.sqrt(float((power * stored).sum()))
+    error = bound * math.sqrt(float((power * storage).sum()))
     linear = 2 * error * math.sqrt(float((power * loss * dissipated).sum()))
     return SlidingContact(
         fields_in_units(Solution(state, bound, contacts), certified, stiff, threads=threads),

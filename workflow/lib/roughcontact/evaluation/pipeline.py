@@ -207,8 +207,8 @@ def after_creep(statistics: xr.Dataset, solution: SolvedMap) -> xr.Dataset:
         softer = {**settings, "contact": {**settings["contact"], "contact_modulus": modulus}}
         solver = {**solution.solver, "contact_modulus": modulus}
         result = solve_and_evaluate(solution.window, softer, solver)
-        again = solution._replace(settings=softer, solver=solver, inputs=result.for_budget)
-        numbers = with_uncertainty(result.statistics, kind.budget(again))
+        softer_result = solution._replace(settings=softer, solver=solver, inputs=result.for_budget)
+        numbers = with_uncertainty(result.statistics, kind.budget(softer_result))
         return kind.with_corrected_sizes(numbers, result.statistics)
 
     return with_creep(statistics, settings["contact"], crept)

@@ -95,8 +95,8 @@ def _largest_factors(logarithm: Callable[[float], float], ends: Sequence[float],
     with np.errstate(divide="ignore", invalid="ignore"):
         # what the solution without corrections has to reach; where nothing leaks yet, the limit itself
         targets = np.log(limit) + [
-            points[0.0] - np.log(end) if end > 0 and value > 0 else shift
-            for end, shift in ((value, 0.0), (upper, np.nan), (lower, np.nan))
+            points[0.0] - np.log(bound) if bound > 0 and value > 0 else shift
+            for bound, shift in ((value, 0.0), (upper, np.nan), (lower, np.nan))
         ]
     return [float(np.exp(_exponent(logarithm, points, target))) for target in targets]
 

@@ -110,8 +110,8 @@ def _map(path: Path, request: Request, file: MeasuredFile) -> tuple[dict, np.nda
         with naming(path):
             result = convert(file, request)
     except (InputFileError, HeightMapError) as error:
-        first = next((channel.name for channel in file.channels if not channel.no_height), None)
-        name = first if request.channel is None else None
+        first_channel = next((channel.name for channel in file.channels if not channel.no_height), None)
+        name = first_channel if request.channel is None else None
         return content | {"channel": name, "problem": str(error), "needed": list(error.keys)}, None
     doubts = suspicions(result.heights, result.dx, result.dy, kind=file.kind)
     return content | {

@@ -116,7 +116,7 @@ def asked_columns(results: Sequence[xr.Dataset]) -> list[int]:
         for name in [key for key, by in ASKED_BY.items() if any(has_number(numbers, one) for one in by)]
         or USUAL
     }
-    return [0, *(place for place, name in enumerate(COLUMN_NAMES, 1) if name in numbers_asked)]
+    return [0, *(column for column, name in enumerate(COLUMN_NAMES, 1) if name in numbers_asked)]
 
 
 def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell]) -> str:
@@ -125,14 +125,14 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell]) -> str:
     Whether what is allowed holds comes first.
     """
     words, places = [], asked_columns([numbers])[1:]
-    remarks = Counter(cells[place].precision.partition(", ")[2] for place in places)
+    remarks = Counter(cells[column].precision.partition(", ")[2] for column in places)
     repeated = [remark for remark, count in remarks.items() if remark and count > 1]
-    for place in places:
-        name, cell = COLUMN_NAMES[place - 1], cells[place]
+    for column in places:
+        name, cell = COLUMN_NAMES[column - 1], cells[column]
         subject = (
             ""
-            if HEADINGS[place] in IN_WORDS
-            else f"{ANSWERS[name].words if name in ANSWERS else HEADINGS[place]} "
+            if HEADINGS[column] in IN_WORDS
+            else f"{ANSWERS[name].words if name in ANSWERS else HEADINGS[column]} "
         )
         start, _, remark = cell.precision.partition(", ")
         precision = start if remark in repeated else cell.precision
@@ -236,7 +236,7 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     limited = name in QUANTITIES and QUANTITIES[name].limits is not None and PEAK in numbers
     share = numbers.get("load_share_above_hardness")  # of a group of maps it is not known
     flows = limited and bool((hardness_reached(numbers) if share is None else np.greater(share, 0))[index])
-    value, lower, upper = (end * factor for end in interval_at(numbers, name, index))
+    value, lower, upper = (bound * factor for bound in interval_at(numbers, name, index))
     remark = "hardness taken as exact" if flows and not has_range else ""
     if has_range and (is_hardness or largest_source(numbers, name, index) == "hardness"):
         remark = "most of it by the hardness"

@@ -84,7 +84,7 @@ def write_report(
     units = dict(zip(series, glance_units(results), strict=True))
     compared_at = dict(zip(series, indices, strict=True))
     columns_asked = asked_columns(results)
-    further = [0, *(place for place in range(1, len(ANSWERS) + 1) if place not in columns_asked)]
+    further = [0, *(column for column in range(1, len(ANSWERS) + 1) if column not in columns_asked)]
     rows: list[dict[str, Any]] = []
     for entry in finished:
         key, path_of_panel = (entry["surface"], entry["case"]), file_of(entry, "panel.html")
@@ -99,8 +99,8 @@ def write_report(
                 "worn": file_of(entry, "worn.nc"),
                 "sliding": file_of(entry, "sliding.nc"),
                 "answer": answer_line(numbers, panel["loads"][-1], cells[-1]),
-                "glance": [[cells_of_load[place] for place in columns_asked] for cells_of_load in cells],
-                "further": [[cells_of_load[place] for place in further] for cells_of_load in cells],
+                "glance": [[cells_of_load[column] for column in columns_asked] for cells_of_load in cells],
+                "further": [[cells_of_load[column] for column in further] for cells_of_load in cells],
                 "numbers": _compared(numbers, units[key], compared_at[key]) if has_index else [],
                 "sample": line_sample(*styles[key]),
                 "group": group_of_surface.get(entry["surface"], ""),
@@ -117,8 +117,8 @@ def write_report(
     cases = [*(case for _, case in series), *(failure["case"] for failure in failures)]
     head: dict[str, Any] = {"title": title, "version": __version__, "words": VERDICTS}
     head |= {
-        "asked": [HEADINGS[place] for place in columns_asked],
-        "further": [HEADINGS[place] for place in further],
+        "asked": [HEADINGS[column] for column in columns_asked],
+        "further": [HEADINGS[column] for column in further],
     }
     head |= {"single": len(rows) == 1}
     head["answer"] = rows[0]["answer"] if len(rows) == 1 else differences_in_words(compared or {})

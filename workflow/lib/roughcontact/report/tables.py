@@ -106,9 +106,9 @@ def creep_table(numbers: xr.Dataset, load_indices: Sequence[int]) -> Table | Non
     for index in load_indices:
         load = load_in_words(float(numbers["mean_pressure"][index]), numbers)[1]
         rows.append([load, "at once", *(number_text(numbers, name, units[name], index) for name in names)])
-        for place, time in enumerate(numbers["time"].values):
+        for column, time in enumerate(numbers["time"].values):
             after = {
-                f"{name}{suffix}": numbers[f"{name}_after{suffix}"].values[:, place]
+                f"{name}{suffix}": numbers[f"{name}_after{suffix}"].values[:, column]
                 for name in names
                 for suffix in ENDS
                 if f"{name}_after{suffix}" in numbers

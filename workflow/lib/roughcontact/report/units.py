@@ -88,7 +88,7 @@ def interval_values(numbers: Numbers, name: str) -> list[np.ndarray]:
     value, *ends = (available.get(key, absent) for key in keys)
     if name == PEAK and "hardness" in numbers and "hardness_lower" not in numbers:
         limited, hardness = hardness_reached(numbers), float(numbers["hardness"])
-        ends = [np.where(limited, np.nan, np.where(end > hardness, hardness, end)) for end in ends]
+        ends = [np.where(limited, np.nan, np.where(bound > hardness, hardness, bound)) for bound in ends]
     return [value, *ends]
 
 
@@ -143,7 +143,7 @@ def number_text(numbers: Numbers, name: str, unit: Unit, index: int) -> str:
     if name == "contact_clusters":  # a whole number
         return f"{value:.0f}"
     if name in _GAPS and not (value >= CLOSED and ends[0] >= CLOSED):  # finer than atoms nothing is known
-        ends = [0.0 if end < CLOSED else end for end in ends]
+        ends = [0.0 if bound < CLOSED else bound for bound in ends]
         if 0 < value < CLOSED:
             closed = f"< {number(CLOSED * unit.factor, digits=1)}"
             return (
@@ -153,7 +153,7 @@ def number_text(numbers: Numbers, name: str, unit: Unit, index: int) -> str:
             )
     if lacks_interval(numbers, name):  # the digits that the contact area carries
         area, *area_ends = interval_at(numbers, AREA, index)
-        return unit.interval(value, *(value * end / area for end in area_ends)).split()[0]
+        return unit.interval(value, *(value * bound / area for bound in area_ends)).split()[0]
     return unit.interval(value, *ends)
 
 

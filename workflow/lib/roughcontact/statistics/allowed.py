@@ -53,7 +53,7 @@ def compare(load: npt.ArrayLike, ends: Ends, *, allowed: float, trend: int = -1)
     # from where it is least likely to hold to where it is most
     order = np.argsort(-trend * np.asarray(load, float), kind="stable")
     loads = np.asarray(load, float)[order]
-    value, lower, upper = (np.asarray(end, float)[order] for end in ends)
+    value, lower, upper = (np.asarray(values, float)[order] for values in ends)
     lower = np.maximum.accumulate(np.nan_to_num(lower, nan=-np.inf)[::-1])[::-1]
     upper = np.minimum.accumulate(np.nan_to_num(upper, nan=np.inf, posinf=np.inf))
     holds = np.full(loads.shape, np.nan)

@@ -78,7 +78,7 @@ def conductivity_ranges(bodies: Bodies | None) -> dict[str, tuple[float, float, 
         # the ends of 1/k are those of k, exchanged
         shares = [(1 - pair[::power][0] ** power, pair[::power][1] ** power - 1) for pair in relative]
         mean, *bounds = (total / 2 for total in weighted(list(values**power), shares))
-        lower, upper = sorted(end**power for end in bounds)
+        lower, upper = sorted(bound**power for bound in bounds)
         results[name] = mean**power, lower, upper
     return results
 

@@ -419,7 +419,8 @@ def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
             )
             ends = {bound: statistics[f"{narrowest}_{bound}"] for bound in ("lower", "upper")}
             bounds |= {
-                f"{name}_{bound}": by_cube * end**3 * slip_factor(end, path) for bound, end in ends.items()
+                f"{name}_{bound}": by_cube * opening**3 * slip_factor(opening, path)
+                for bound, opening in ends.items()
             }
     return bounds
 

@@ -105,8 +105,8 @@ def interpolated(map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray) -
     if same_load(map_loads[nearest], loads).all():
         return values[nearest]
     finite = np.isfinite(values)
-    within = np.clip(np.log(loads), *np.log(map_loads[[0, -1]]))  # up to rounding
+    inside = np.clip(np.log(loads), *np.log(map_loads[[0, -1]]))  # up to rounding
     curve = scipy.interpolate.PchipInterpolator(np.log(map_loads), np.where(finite, values, 0.0))
     next_index = np.clip(np.searchsorted(map_loads, loads), 1, map_loads.size - 1)
     unknown = np.where(finite, 0.0, values)  # 0, NaN or infinite
-    return curve(within) + unknown[next_index] + unknown[next_index - 1]
+    return curve(inside) + unknown[next_index] + unknown[next_index - 1]

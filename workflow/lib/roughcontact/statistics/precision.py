@@ -44,8 +44,8 @@ def widened(value_and_ends: Sequence[Any], factors: Sequence[Any]) -> tuple[Any,
     value, lower, upper = value_and_ends
     with np.errstate(divide="ignore", invalid="ignore"):
         below, above = (
-            np.exp(np.hypot(np.log(end / value), np.log(factor)))
-            for end, factor in zip((lower, upper), factors, strict=True)
+            np.exp(np.hypot(np.log(bound / value), np.log(factor)))
+            for bound, factor in zip((lower, upper), factors, strict=True)
         )
         return value / below, value * above
 

@@ -209,13 +209,13 @@ def worn_faces(
             certain = 2 * math.sqrt(share) / (wear * spread) if spread > 0 else math.inf
             length = max(length, certain)
             step = min(length, end - worn.distance)
-            after = _step(worn, material, wear, step, solve)
-            growth = after.squared_error - worn.squared_error
+            worn_after = _step(worn, material, wear, step, solve)
+            growth = worn_after.squared_error - worn.squared_error
             factor = min(SAFETY * (share / growth) ** (1 / 3), MAX_GROWTH) if growth > 0 else MAX_GROWTH
             # a step that was cut short to end at a distance says nothing against a longer one
             length = factor * step if step == length else max(length, factor * step)
             if growth <= share or step <= certain:
-                worn = after._replace(distance=end) if step == end - worn.distance else after
+                worn = worn_after._replace(distance=end) if step == end - worn.distance else worn_after
                 yield worn
             else:
                 length = factor * step

@@ -86,8 +86,8 @@ def _named(text: str, folder_of_module: Path) -> list[Path]:
             if text in _folders(folder_of_module)
             else []
         )
-    places = folder_of_module / text, folder_of_module.parent / text
-    if existing := [place for place in places if place.is_file()]:
+    candidates = folder_of_module / text, folder_of_module.parent / text
+    if existing := [candidate for candidate in candidates if candidate.is_file()]:
         return existing[:1]
     if head != PACKAGE.name or text == READERS or not all(name.isidentifier() for name in names):
         return []

@@ -128,9 +128,9 @@ def _view(
     ]
     places = ((other, recorded_place(other)) for other in like_it)
     own = next((other.isel(window_of_place(fine, other, place)) for other, place in places if place), None)
-    here = shown_by(fine, overview) if own is None else own
+    footprint = shown_by(fine, overview) if own is None else own
     return View(
-        transfers_of(result, form_order(fine), here, overview, arguments),
+        transfers_of(result, form_order(fine), footprint, overview, arguments),
         pixels=math.sqrt(math.prod(spacing(overview)) / math.prod(spacing(fine))),
         sees_map=own is not None,
         field=math.prod(field_ratios(fine, overview)),

@@ -82,11 +82,11 @@ def resolve(config: Mapping[str, Any], *, origin: str = "the settings") -> dict[
     return settings_by_case
 
 
-def _mistake(place: str, text: str) -> SettingsError:
+def _mistake(key: str, text: str) -> SettingsError:
     """Return the error of a setting, by its dotted name, and of the text after that name."""
-    names = re.sub(r"\[\d+\]", "", place).split(".")
+    names = re.sub(r"\[\d+\]", "", key).split(".")
     setting = names[2:4] if names[0] == "cases" else names[:2]  # without the case
-    return SettingsError(f"{place}{text}", keys=[".".join(setting)] * (len(setting) == 2), place=place)
+    return SettingsError(f"{key}{text}", keys=[".".join(setting)] * (len(setting) == 2), place=key)
 
 
 def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any], list[SettingsError]]:

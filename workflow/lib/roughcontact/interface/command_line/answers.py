@@ -82,9 +82,9 @@ def answers(
     numbers: xr.Dataset, cells_of_loads: Sequence[Sequence[Cell]], flags: Sequence[Sequence[str]]
 ) -> list[str]:
     """Return the lines of the table of what is asked for at all loads, and one of what is judged at none."""
-    places = asked_columns([numbers])
-    headings = [HEADINGS[place] for place in places]
-    rows = [[cells[place] for place in places] for cells in cells_of_loads]
+    shown_columns = asked_columns([numbers])
+    headings = [HEADINGS[place] for place in shown_columns]
+    rows = [[cells[place] for place in shown_columns] for cells in cells_of_loads]
     judged = [any(cell.text != NOT_JUDGED for cell in column) for column in zip(*rows, strict=True)]
     unanswered = [
         ", ".join(filter(None, (heading, cell.details)))

@@ -21,10 +21,10 @@ def with_units(words: Sequence[str]) -> list[str]:
         if not (after_option and joined and _is_number(joined[-1]) and is_unit(word)) or Path(word).exists():
             joined.append(word)
             continue
-        for place in range(len(joined) - 1, -1, -1):
-            if not _is_number(joined[place]):
+        for index in range(len(joined) - 1, -1, -1):
+            if not _is_number(joined[index]):
                 break
-            joined[place] += f" {word}"
+            joined[index] += f" {word}"
     return joined
 
 

@@ -182,10 +182,10 @@ def _nanosurf_size(data: mmap.mmap, header: Header, points: int) -> int | None:
 
 def _park(data: mmap.mmap, header: Header) -> str:
     points = header["nb_grid_pts_x"] * header["nb_grid_pts_y"]
-    stored = next((tag.length for tag in tiff_tags(data) if tag.number == _PARK_DATA), 0)
+    stored_bytes = next((tag.length for tag in tiff_tags(data) if tag.number == _PARK_DATA), 0)
     required_size = points * (2 if header.get("data_type", 0) == 0 else 4)
-    wrong = f"its tag of the heights has {stored} bytes where {points} points need {required_size}"
-    return "" if stored == required_size else wrong
+    wrong = f"its tag of the heights has {stored_bytes} bytes where {points} points need {required_size}"
+    return "" if stored_bytes == required_size else wrong
 
 
 def _igor(data: mmap.mmap, header: Header) -> str:

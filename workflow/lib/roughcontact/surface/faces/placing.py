@@ -189,10 +189,10 @@ def best_place(fine: xr.DataArray, overview: xr.DataArray) -> Place:
         best = nearest
     surface = search.correlations(best)
     shift, shares = _peak(surface, search.shape(best))
-    first = [float(overview[axis][0]) for axis in "yx"]
+    origin = [float(overview[axis][0]) for axis in "yx"]
     y, x = (
         start + d * (offset + (n - 1) / 2)
-        for start, d, offset, n in zip(first, steps, shift, search.shape(best), strict=True)
+        for start, d, offset, n in zip(origin, steps, shift, search.shape(best), strict=True)
     )
     return Place(y, x, float(best[0]), float(best[1]), float(surface.max()), float(max(shares)))
 

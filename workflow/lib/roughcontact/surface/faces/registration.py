@@ -51,17 +51,17 @@ def registered(later: xr.DataArray, earlier: xr.DataArray) -> Registered:
     middle = np.array([float(fields[1][axis].mean()) for axis in "yx"])
     template = part_around(fields[1], middle, sides)
     middle = np.array([float(template[axis].mean()) for axis in "yx"])
-    place, required = best_place(template, fields[0]), _MIN_CORRELATION
+    place, threshold = best_place(template, fields[0]), _MIN_CORRELATION
     if place.uncertainty > MAX_UNCERTAINTY:
         reach = np.array(side_lengths(template)) * (1 + 2 * MAX_UNCERTAINTY)
-        place, required = best_place(template, part_around(fields[0], middle, reach)), MIN_CORRELATION
-    if place.correlation < required:
+        place, threshold = best_place(template, part_around(fields[0], middle, reach)), MIN_CORRELATION
+    if place.correlation < threshold:
         names = [str(height.attrs.get("source_file") or "a map") for height in (later, earlier)]
-        where = "at no place alone" if required > _MIN_CORRELATION else "nowhere"
+        where = "at no place alone" if threshold > _MIN_CORRELATION else "nowhere"
         raise HeightMapError(
             f"before: {names[0]} does not show the place of {names[1]}: its middle fits {where}, best "
-            f"{place}, and has to have {required}; measure the same place, shifted by less than a quarter of "
-            "the map, or leave before empty"
+            f"{place}, and has to have {threshold}; measure the same place, shifted by less than a quarter "
+            "of the map, or leave before empty"
         )
     return Registered(np.array([place.y, place.x]) - middle, place)
 
@@ -90,7 +90,7 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
     cuts = {}
     for row, axis in enumerate("yx"):
         first, last = (
-            [float(each[axis][end]) + shifts[key][row] for key, each in maps.items()] for end in (0, -1)
+            [float(each[axis][edge]) + shifts[key][row] for key, each in maps.items()] for edge in (0, -1)
         )
         step = spacing(height)[row]
         points = min(height.sizes[axis], round((min(last) - max(first)) / step) + 1)
