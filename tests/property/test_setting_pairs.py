@@ -119,6 +119,7 @@ ELSEWHERE = {
         "contact.relative_pressure",
     ],
     "test_unloading.py": ["contact.unload"],
+    "test_creep.py": ["contact.time"],
     "test_rounding.py": ["contact.precision"],
     "test_faces.py": ["composite.shifts", "composite.rotations", "composite.overlap", "composite.seed"],
     "test_uncertainty_instrument.py": ["instrument.finer_spectrum"],

@@ -73,7 +73,7 @@ def test_the_short_screen_has_a_line_for_each_surface(project):
     assert run.returncode == 0, run.stderr
     output = run.stderr.partition("2 results, 6 jobs\n")[2]
     assert re.fullmatch(
-        r"(ground|turned): done \(1 of 2.*\)\n(ground|turned): done \(2 of 2\)\ndone in .*\n", output
+        r"((ground|turned): done \([12] of 2.*\)\. At .* MPa: contact area .*\n){2}done in .*\n", output
     )
 
 
@@ -148,7 +148,7 @@ def test_results_without_the_records_of_snakemake_are_made_again(finished, tmp_p
     copy.write(SETTINGS | {"contact": SETTINGS["contact"] | {"contact_modulus": "2e9"}})
     run = copy.run("--dry-run")
     assert counted(run) == FROM_PREPARE
-    assert "Not left by the last run here, made again: 'results/ground/height.nc', " in run.stderr
+    assert "Without a record of Snakemake, made again: 'results/ground/height.nc', " in run.stderr
     assert copy.jobs() == FROM_PREPARE
     complete = shutil.copytree(finished.folder, tmp_path / "complete")
     assert Project(complete, checkout).jobs().keys() <= {"report"}  # whose panels are too large to compare

@@ -3,31 +3,19 @@
 With a coarser map around it, its overview, also overview.nc.
 """
 
-import math
-
 from _job import check_sources, save, say, snakemake, warn
+from _other_maps import part_of_place, with_noise
 from _overviews import write_overviews
 from _window import write_window
 
-from roughcontact.arguments.measurement import Instrument, Measurement, add_remark
+from roughcontact.arguments.measurement import Measurement
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
 from roughcontact.results.storage import read_dataset
 from roughcontact.study.tiles import Tile, cut
-from roughcontact.surface.faces.registration import common_part
-from roughcontact.surface.levelling.repeats import noise_of_repeats
 from roughcontact.surface.preparation import preparation_of
 from roughcontact.surface.preparation.region import read_region
 from roughcontact.surface.profiles.surface import stacked
-
-
-def _maps_of_place(rows, name, height):
-    """Return the maps of a place in the order of time, and the name of the earlier one of each."""
-    rows = {row["name"]: {key: cell for key, cell in row.items() if key != "name"} for row in rows}
-    earlier = {other: cells.pop("earlier") for other, cells in rows.items() if "earlier" in cells}
-    maps = {other: height if other == name else read_region(**cells) for other, cells in rows.items()}
-    return maps, earlier
-
 
 settings, row, output = snakemake.params.settings, snakemake.params.row, snakemake.output
 arguments = dict(settings["height"]["surface"])
@@ -40,17 +28,10 @@ try:
         height = stacked(height, [read_height_map(**profile) for profile in along])
     if tile:
         height = cut(height, Tile(*tile))
-    if repeat and Instrument.read(height.attrs).noise is None:
-        name_of_repeat = repeat.pop("name")
-        noise, remark = noise_of_repeats(height, read_region(**repeat))
-        # what the noise leaves out is a fact, what is no noise a warning
-        noisy = not math.isnan(noise)
-        height.attrs |= Instrument(noise=noise).attributes() if noisy else {}
-        if remark:
-            text = f"the repeats {name} and {name_of_repeat} differ {remark}"
-            height.attrs |= add_remark(height.attrs, text, fact=noisy)
+    if repeat:
+        height = with_noise(height, name, repeat)
     if maps_of_place:
-        height = common_part(*_maps_of_place(maps_of_place, name, height), name)
+        height = part_of_place(height, name, maps_of_place)
 except RoughContactError as error:
     raise type(error)(f"{error} ({row['origin']})") from error
 reading = Measurement.read(height.attrs)

@@ -186,7 +186,22 @@ def greenwood_williamson_area(
 
 
 def summit_moment(order: float, t: np.ndarray) -> np.ndarray:
-    """Return F_n(t) by the table of `_gaussian_moments`, below it by two terms of its asymptotic series."""
+    """Return F_n(t) = ∫_0^∞ uⁿ φ(t + u) du, the mean of (z − t)ⁿ over Gaussian summits z above t.
+
+    It is interpolated in a table, below which two terms of its asymptotic series hold.
+
+    Parameters
+    ----------
+    order : float
+        n, at least 0.
+    t : ndarray
+        Separation over the standard deviation of the summits.
+
+    Returns
+    -------
+    ndarray
+        F_n(t) of Greenwood and Tripp (1971), of the shape of `t`.
+    """
     table = np.log(_gaussian_moments(order)[::-1])
     deep = np.minimum(t, SEPARATIONS[0])
     below = (-deep) ** order * (1 + order * (order - 1) / (2 * deep**2))
