@@ -1,0 +1,36 @@
+"""What the other maps of a place, its repeat and those of before and after, say of a measured map."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from xarray import DataArray
+
+from roughcontact.arguments.measurement import Instrument, add_remark
+from roughcontact.surface.faces.registration import common_part
+from roughcontact.surface.levelling.repeats import noise_of_repeats
+from roughcontact.surface.preparation.region import read_region
+
+
+def with_noise(height: DataArray, name: str, repeat: dict[str, Any]) -> DataArray:
+    """Return a map with the noise by its repeat, unless it has one."""
+    if Instrument.read(height.attrs).noise is not None:
+        return height
+    name_of_repeat = repeat.pop("name")
+    noise, remark = noise_of_repeats(height, read_region(**repeat))
+    # what the noise leaves out is a fact, what is no noise a warning
+    is_noise = not math.isnan(noise)
+    if is_noise:
+        height = height.assign_attrs(Instrument(noise=noise).attributes())
+    if remark:
+        text = f"the repeats {name} and {name_of_repeat} differ {remark}"
+        height = height.assign_attrs(add_remark(height.attrs, text, fact=is_noise))
+    return height
+
+
+def part_of_place(height: DataArray, name: str, rows: Sequence[Mapping[str, Any]]) -> DataArray:
+    """Return what of a map all maps of its place show; `rows` of them are in the order of time."""
+    arguments = {row["name"]: {key: cell for key, cell in row.items() if key != "name"} for row in rows}
+    earlier = {key: cells.pop("earlier") for key, cells in arguments.items() if "earlier" in cells}
+    maps = {key: height if key == name else read_region(**cells) for key, cells in arguments.items()}
+    return common_part(maps, earlier, name)
