@@ -1,5 +1,6 @@
 """Outcome of a check (passed, note, review, failed or not made), its sentences, the worst of several."""
 
+import re
 import textwrap
 from collections.abc import Iterable
 from enum import StrEnum
@@ -116,6 +117,8 @@ def reason_text(check: Check, *, letters: int | None = None) -> str:
     'Slopes: The rms gradient is 0.4. Refine'
     >>> reason_text(steep, letters=30)
     'Slopes: The rms … Refine'
+    >>> reason_text(Check("Slopes", REVIEW, "It is steep (0.4 and more)."), letters=28)
+    'Slopes: It is steep …'
     >>> reason_text(Check("Sample", REVIEW, "The map is small.", ("mean_gap", "sealing")))
     'Sample (mean gap, sealing): The map is small'
     """
@@ -127,6 +130,7 @@ def reason_text(check: Check, *, letters: int | None = None) -> str:
     finding = ""
     if room > len(_ELLIPSIS):
         finding = textwrap.shorten(check.finding, min(room, _MAX_SENTENCE_LENGTH), placeholder=_ELLIPSIS)
+        finding = re.sub(rf" \([^()]*{_ELLIPSIS}$", _ELLIPSIS, finding)  # a bracket that was cut
     text = " ".join(filter(None, (head, finding, advice))).rstrip(".")
     return text if letters is None else textwrap.shorten(text, letters, placeholder=_ELLIPSIS)
 
