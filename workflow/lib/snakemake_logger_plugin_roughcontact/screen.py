@@ -47,6 +47,7 @@ class Screen:
         self.clock = Clock()
         self.logs: dict[str, list[str]] = {}
         self.plans: dict[str, dict[str, None]] = {}  # steps of each result, in order
+        self.shared: set[str] = set()  # pairs of faces whose steps are in the lines of their placements
         self.page = ""
 
     def show(self, record: logging.LogRecord, text: str) -> None:
@@ -67,7 +68,7 @@ class Screen:
         elif event == "workflow_started":
             self.begun = True
         elif self.planned and text.startswith("This was a dry-run"):
-            self._line("This is a plan: nothing was done.")
+            self._end_plan()
         elif event == "run_info":
             self._announce(record)
         elif event:
@@ -94,11 +95,18 @@ class Screen:
     def _plan(self, fields: Mapping[str, Any]) -> None:
         """Note a job of a plan; with the last one of a result show what would be done for it."""
         rule, result = fields["rule_name"], _result(fields)
-        owner = re.sub("-(counter-)?face$", "", result) if rule == "prepare_face" else result
-        self.plans.setdefault(owner, {})[_STEPS.get(rule, rule)] = None
+        self.plans.setdefault(_owner(fields), {})[_STEPS.get(rule, rule)] = None
         if rule in _LAST:
-            shared = self.plans.get(re.sub(r"-\d+$", "", result), {})  # of the faces of a placement
-            self._line(f"{result}: {', '.join(shared | self.plans.pop(result))}")
+            steps = self.plans.pop(result)
+            self.shared.add(_pair(result))
+            self._line(f"{result}: {', '.join(self.plans.get(_pair(result), {}) | steps)}")
+
+    def _end_plan(self) -> None:
+        """Show what would be done for files that were asked for by name, and that nothing was."""
+        for result, steps in self.plans.items():
+            if result and result not in self.shared:
+                self._line(f"{result}: {', '.join(steps)}")
+        self._line("This is a plan: nothing was done.")
 
     def _follow(self, event: str, record: logging.LogRecord) -> None:
         """Show the progress of the run after an event of one of its jobs."""
@@ -119,12 +127,10 @@ class Screen:
 
     def _begin(self, fields: dict[str, Any], now: float) -> None:
         """Note a job that begins; of one that had failed show what it requests now."""
-        number, result = fields["jobid"], _result(fields)
+        number, threads = fields["jobid"], fields.get("threads") or 1
         self.jobs[number] = fields
-        self.clock.start(number, fields["rule_name"], now, result=result, threads=fields.get("threads") or 1)
-        if fields["rule_name"] == "prepare_face":  # its warnings are shown with the first placement
-            result = re.sub("-(counter-)?face$", "", result)
-        self.logs.setdefault(result, []).extend(fields["log"] or [])
+        self.clock.start(number, fields["rule_name"], now, result=_result(fields), threads=threads)
+        self.logs.setdefault(_owner(fields), []).extend(fields["log"] or [])
         self.page = next(
             (path for path in fields["output"] or [] if path.endswith("/report.html")), self.page
         )
@@ -138,7 +144,7 @@ class Screen:
         if not fields or fields["rule_name"] not in (*_LAST, REPORT):
             return
         result = _result(fields)
-        logs = self.logs.pop(result, []) + self.logs.pop(re.sub(r"-\d+$", "", result), [])
+        logs = self.logs.pop(result, []) + self.logs.pop(_pair(result), [])
         warnings = sum(read_record(log).get("warnings", 0) for log in logs)
         warned = (
             f", {warnings} warning{'s' * (warnings != 1)} in its logs and in the report" if warnings else ""
@@ -261,6 +267,17 @@ def _name(fields: Mapping[str, Any]) -> str:
 def _result(fields: Mapping[str, Any]) -> str:
     """Return the folder of the result of a job: "soft/ground"."""
     return str((fields.get("wildcards") or {}).get("result", ""))
+
+
+def _owner(fields: Mapping[str, Any]) -> str:
+    """Return the result with which a job is shown: that of a face belongs to the pair."""
+    result = _result(fields)
+    return re.sub("-(counter-)?face$", "", result) if fields["rule_name"] == "prepare_face" else result
+
+
+def _pair(result: str) -> str:
+    """Return the pair of faces of which a result may be a placement: its name without a number at the end."""
+    return re.sub(r"-\d+$", "", result)
 
 
 def _requested(fields: Mapping[str, Any]) -> str:
