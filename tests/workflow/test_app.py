@@ -1500,9 +1500,9 @@ class TestForm:
             if setting_base(field) or "float" in str(field.annotation):
                 numbers += 1
                 mistakes = " ".join((of_bodies["mistakes"] | checked["mistakes"]).get(name, []))
-                assert re.search(
-                    "write a decimal point, not a comma|has no unit|must be a group of settings", mistakes
-                ), (name, mistakes)
+                # one number is no modulus by the time
+                refusal = "a group" if "creep" in name else "write a decimal point, not a comma|has no unit"
+                assert re.search(refusal, mistakes), (name, mistakes)
         assert numbers > 60
 
     @pytest.mark.parametrize(
