@@ -14,6 +14,7 @@ import numpy as np
 AREA, GAP, PEAK, PRESSURE = "relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure"
 CONDUCTANCE, FRICTION = "conductance_per_conductivity", "hysteretic_friction_coefficient"
 ENDS = ("", "_lower", "_upper")  # of the names of a quantity: the value, and the ends of its interval
+OPPOSITE_ENDS = dict(zip(ENDS, ("", "_upper", "_lower"), strict=True))  # those of the inverse of it
 
 Limits = Callable[[np.ndarray, float], tuple[np.ndarray | float, float]]  # of load and hardness (Pa)
 

@@ -184,7 +184,8 @@ def map_comparisons(
             if of_case.keys() >= {*pair}:
                 reference, partner = (f"{name} · {case}" if case else name for name in pair)
                 results_by_pair[reference, partner] = of_case[pair[0]], of_case[pair[1]]
-                of_place |= {(reference, partner)} if pair in one_place else set()
+                if pair in one_place:
+                    of_place.add((reference, partner))
         new_comparisons, reasons = compare_maps(results_by_pair, of_place=of_place)
         result, omissions = result | new_comparisons, omissions + reasons
     return result, omissions

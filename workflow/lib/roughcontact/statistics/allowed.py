@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS, TOTALS
+from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS, OPPOSITE_ENDS, TOTALS
 
 Ends = Sequence[npt.ArrayLike] | np.ndarray  # value, lower and upper end (load)
 
@@ -160,10 +160,9 @@ def _resistance_of_joint(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
     if "joint_conductance" not in statistics:
         names = {f"resistance_of_joint{suffix}": f"thermal_resistance{suffix}" for suffix in ENDS}
         return {key: statistics[name] for key, name in names.items() if name in statistics}
-    opposite = {"": "", "_lower": "_upper", "_upper": "_lower"}
     with np.errstate(divide="ignore"):
         return {
             f"resistance_of_joint{suffix}": 1 / statistics[name]
             for suffix in ENDS
-            if (name := f"joint_conductance{opposite[suffix]}") in statistics
+            if (name := f"joint_conductance{OPPOSITE_ENDS[suffix]}") in statistics
         }

@@ -50,14 +50,12 @@ def read_study(
         cases = resolve(config, origin=origin)
     except SettingsError as error:
         errors.append(error)
-    files = (("instrument", "finer_spectrum"),)
     errors += [
         SettingsError(
-            f"{section}.{key} = {path}: no such file; correct the path (from the working folder)",
-            place=f"{section}.{key}",
+            f"instrument.finer_spectrum = {path}: no such file; correct the path (from the working folder)",
+            place="instrument.finer_spectrum",
         )
-        for section, key in files
-        for path in dict.fromkeys(settings[section][key] for settings in cases.values())
+        for path in dict.fromkeys(settings["instrument"]["finer_spectrum"] for settings in cases.values())
         if path and not checked and find(path, ["."]) is None
     ]
     table = config.get("surfaces", Settings.model_fields["surfaces"].default)

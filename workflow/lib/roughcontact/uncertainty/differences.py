@@ -234,12 +234,12 @@ def _reach(name: str, data: xr.Dataset, endings: Sequence[str]) -> list[np.ndarr
 def _of_place(name: str, data: xr.Dataset, components: np.ndarray) -> np.ndarray:
     """Return components (load, source, component), those of the source `window` of this map alone."""
     window = SOURCES.index("window")
-    unshared = np.delete(components, window, axis=1)
+    other_sources = np.delete(components, window, axis=1)
     result = components.copy()
     result[:, window, 2:] = 0.0
     for side, reach in enumerate(_reach(name, data, ("_map_lower", "_map_upper"))):
-        reach_of_widths = np.maximum(reach - unshared[..., 2 + side].sum(axis=1), 0.0)
-        remainder = np.sqrt(np.maximum(reach_of_widths**2 - (unshared[..., side] ** 2).sum(axis=1), 0.0))
+        reach_of_widths = np.maximum(reach - other_sources[..., 2 + side].sum(axis=1), 0.0)
+        remainder = np.sqrt(np.maximum(reach_of_widths**2 - (other_sources[..., side] ** 2).sum(axis=1), 0.0))
         result[:, window, side] = np.fmin(remainder, components[:, window, side])
     return result
 

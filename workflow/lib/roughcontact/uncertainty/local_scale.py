@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from roughcontact.arguments.answers import ENDS
+from roughcontact.arguments.answers import ENDS, OPPOSITE_ENDS
 from roughcontact.arguments.choices import UncertaintySource
 from roughcontact.arguments.ranges import ends
 from roughcontact.contact.elasticity.closed_forms import hertz_ellipse
@@ -33,7 +33,6 @@ from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, to_scale
 _NODES = 6  # of Gauss and Jacobi, over the pressure
 _OF_MAP = (AREA, GAP, CONDUCTANCE)
 _CONDUCTANCE = f"local_{CONDUCTANCE}"
-_OPPOSITE = dict(zip(ENDS, ("", "_upper", "_lower"), strict=True))  # end of a number -> that of its inverse
 
 
 def hertz_pressures(contact: Mapping[str, Any], radius: Sequence[float]) -> list[float]:
@@ -105,7 +104,7 @@ def whole_contact(
             bound = np.where((value > 0) & (single > 0), joint, single)  # alone: that of the map
             columns[f"{name}{key}"] = np.where(np.isinf(bound), np.nan, bound)
     with np.errstate(divide="ignore"):
-        for key, opposite in _OPPOSITE.items() if f"{_CONDUCTANCE}_lower" in columns else [("", "")]:
+        for key, opposite in OPPOSITE_ENDS.items() if f"{_CONDUCTANCE}_lower" in columns else [("", "")]:
             area, conductance = columns[f"local_contact_area{opposite}"], columns[f"{_CONDUCTANCE}{opposite}"]
             hardness = ends(contact.get(HARDNESS) or np.inf, ranges[HARDNESS] if key == "_upper" else None)[1]
             pressure = np.minimum(columns["force"] / area, hardness)

@@ -120,9 +120,7 @@ def _extrapolate_deviation(variances: Mapping[int, float]) -> float:
     columns = np.column_stack([np.ones(number.size), number])
     rows, right = columns * weight[:, None], variance * weight
     a, b = np.linalg.lstsq(rows, right)[0]
-    if (
-        min(a, b) < 0
-    ):  # no variance is: the other one alone (nnls, whose import takes longer than a small map)
+    if min(a, b) < 0:  # which no variance is: the other one alone, as by nnls, whose import takes long
         a, b = rows.T @ right / (rows**2).sum(axis=0) * (b < a, a < b)
     return 0.5 * math.log(a + b + 1e-4)
 

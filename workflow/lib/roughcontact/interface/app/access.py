@@ -62,7 +62,7 @@ def is_admitted(request: Request, *, token: str, hosts: Collection[str]) -> bool
 class Connection(H11Protocol):
     """A connection that ends where no whole request comes in time; of too many one that waits makes room."""
 
-    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn has it
         """Begin to wait for a request."""
         super().connection_made(transport)
         self.timeout_keep_alive_task = self.loop.call_later(_SILENCE, self.timeout_keep_alive_handler)

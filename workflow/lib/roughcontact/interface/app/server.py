@@ -109,9 +109,14 @@ def serve(folder: Path, *, port: int = 0, browser: bool = True) -> int:
         address = f"http://127.0.0.1:{port}/{token}/"
         print(f"{Path.cwd()}: {address}\nCtrl-C ends the page, and a run that it has started.", flush=True)
         app = application(page, token=token, port=port)
-        # the backlog is what asyncio accepts at once, before a connection can make room
-        limits = {"backlog": 50, "timeout_graceful_shutdown": 1}
-        config = uvicorn.Config(app, http=Connection, log_config=None, ws="none", **limits)  # type: ignore[arg-type]
+        config = uvicorn.Config(
+            app,
+            http=Connection,
+            ws="none",
+            log_config=None,
+            backlog=50,  # what asyncio accepts at once, before a connection can make room
+            timeout_graceful_shutdown=1,
+        )
         # uvicorn raises the signal again: it ends the program by what follows
         signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
         try:

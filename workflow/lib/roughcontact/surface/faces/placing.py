@@ -49,10 +49,14 @@ class Place:
 
     def __str__(self) -> str:
         """Return the place in words."""
-        words = [f"at ({quantity(self.x, 'm')}, {quantity(self.y, 'm')})"]
+        return f"at ({quantity(self.x, 'm')}, {quantity(self.y, 'm')}), {self.fit_in_words()}"
+
+    def fit_in_words(self, *, with_scale: bool = True) -> str:
+        """Return how the map lies there: its turn, with or without its scale, and the correlation."""
+        words = []
         if abs(self.rotation) >= _SHOWN_ANGLE:
             words.append(f"turned by {number(self.rotation, decimals=1)}°")
-        if abs(self.scale - 1) >= _SHOWN_STRETCH:
+        if with_scale and abs(self.scale - 1) >= _SHOWN_STRETCH:
             words.append(
                 f"{percent(abs(self.scale - 1))} {'longer' if self.scale > 1 else 'shorter'} than it says"
             )

@@ -5,7 +5,6 @@ what they share; neither is interpolated, which would smooth its shortest waves,
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -102,7 +101,7 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
     if name in registrations:
         y, x = registrations[name].shift
         moved = f"shifted by ({quantity(x, 'm')}, {quantity(y, 'm')})"
-        words = str(replace(registrations[name].place, scale=1.0)).partition("), ")[2]  # turn and correlation
+        words = registrations[name].place.fit_in_words(with_scale=False)
         sentences.append(f"the place of {earlier[name]}, {moved}, {words}")
     if part.shape != height.shape:
         sizes = (" × ".join(map(str, each.shape[::-1])) for each in (part, height))
