@@ -118,7 +118,7 @@ def test_the_screen_has_the_cells_of_the_page(result, monkeypatch):
     judged, asked = {}, [HEADINGS[place] for place in asked_columns([result])]
     for heading, cells in zip(HEADINGS, zip(*rows, strict=True), strict=True):
         if heading in asked and any(cell.text != NOT_JUDGED for cell in cells):
-            texts = [text for cell in cells for text in (cell.text, cell.details, cell.precision)]
+            texts = [text for cell in cells for text in (cell.text, cell.details, cell.known)]
             judged[marked(heading)] = marked(words(" ".join([heading, *texts])))
     table, unanswered = lines, ""
     if lines[-1].startswith(f"  {NOT_JUDGED} "):
@@ -134,7 +134,7 @@ def test_the_words_of_each_load_are_those_of_its_cells(result):
     rows = glance_rows(result, indices=loads_of(result))
     for cells, (_, text, *_) in zip(rows, each_load(result, []), strict=True):
         for heading, cell in zip(HEADINGS[1:], cells[1:], strict=True):
-            assert ", ".join(filter(None, (f"{heading} {cell.text}", cell.details, cell.precision))) in text
+            assert ", ".join(filter(None, (f"{heading} {cell.text}", cell.details, cell.known))) in text
 
 
 def test_all_numbers_and_the_cases_have_the_same_digits(result):

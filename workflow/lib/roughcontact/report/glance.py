@@ -35,7 +35,7 @@ from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.decisions import CLOSED, gap_is_closed, is_yielding
 from roughcontact.statistics.kinds import reason_without_flow
 from roughcontact.statistics.outcome import FAILED, VERDICTS
-from roughcontact.statistics.precision import precision_in_words
+from roughcontact.statistics.precision import is_known, precision_in_words
 
 AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
 NOT_JUDGED = "not judged"
@@ -60,12 +60,18 @@ _COMMON_UNIT_RATIO = 100.0  # ratio of rms heights up to which one unit does for
 
 
 class Cell(NamedTuple):
-    """One cell of the table: the answer, details, how well it is known, its verdict unless that is *use*."""
+    """One cell of the table: the answer, details, its verdict unless that is *use*, how well it is known."""
 
     text: str
     details: str = ""
     outcome: str = ""
     precision: str = ""
+    remark: str = ""  # what that is by, or takes for granted
+
+    @property
+    def known(self) -> str:
+        """How well the answer is known, with the remark."""
+        return ", ".join(filter(None, (self.precision, self.remark)))
 
 
 def shown_loads(areas: np.ndarray) -> list[int]:
@@ -125,7 +131,7 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell]) -> str:
     Whether what is allowed holds comes first.
     """
     words, places = [], asked_columns([numbers])[1:]
-    remarks = Counter(cells[column].precision.partition(", ")[2] for column in places)
+    remarks = Counter(cells[column].remark for column in places)
     repeated = [remark for remark, count in remarks.items() if remark and count > 1]
     for column in places:
         name, cell = COLUMN_NAMES[column - 1], cells[column]
@@ -134,8 +140,7 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell]) -> str:
             if HEADINGS[column] in IN_WORDS
             else f"{ANSWERS[name].words if name in ANSWERS else HEADINGS[column]} "
         )
-        start, _, remark = cell.precision.partition(", ")
-        precision = start if remark in repeated else cell.precision
+        precision = cell.precision if cell.remark in repeated else cell.known
         words.append(f"{subject}{cell.text}{f' ({precision})' if precision else ''}")
     allowed = [allowed_in_words(numbers, name, index) for name in stated_allowed(numbers)]
     line = "; ".join([f"at {cells[0].details or cells[0].text}: {', '.join(words)}", *repeated])
@@ -240,11 +245,12 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     remark = "hardness taken as exact" if flows and not has_range else ""
     if has_range and (is_hardness or largest_source(numbers, name, index) == "hardness"):
         remark = "most of it by the hardness"
-    precision = precision_in_words(value, lower, upper, Unit(1.0, symbol), remark=remark)
+    precision = precision_in_words(value, lower, upper, Unit(1.0, symbol))
+    remark = remark if is_known(value, lower, upper) else ""
     if name == GAP and min(value, upper) < CLOSED * factor:  # a NaN end is no smaller
         open_elsewhere = f"up to {Unit(1.0, symbol).text(upper)}" if upper >= CLOSED * factor else ""
         return Cell(_CLOSED, open_elsewhere, precision="" if open_elsewhere else "to 1 nm")
-    return Cell(f"{text} {symbol}", interval.strip("()"), precision=precision)
+    return Cell(f"{text} {symbol}", interval.strip("()"), precision=precision, remark=remark)
 
 
 def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
@@ -320,16 +326,16 @@ def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
         ("conductance_per_conductivity", "by conductivity", ""),
     ):
         if has_number(numbers, name):
-            text, interval, _, precision = interval_cell(numbers, name, units, index)
-            details = [f"{interval}, {sentence}" if interval else sentence]
+            main = interval_cell(numbers, name, units, index)
+            details = [f"{main.details}, {sentence}" if main.details else sentence]
             if (resistance := name.replace("conductance", "resistance")) in numbers:
                 cell = interval_cell(numbers, resistance, units, index)
-                details.append(
-                    cell.text if interval == _NO_INTERVAL else _unbroken(numbers, resistance, units, index)
-                )
-            if assumption and precision and f"{_PROPERTIES[assumption]}_lower" not in numbers:
-                precision += f", {assumption} taken as exact"
-            return Cell(text, "; ".join(details), precision=precision)
+                has_interval = main.details != _NO_INTERVAL
+                details.append(_unbroken(numbers, resistance, units, index) if has_interval else cell.text)
+            remarks = [main.remark]
+            if assumption and main.precision and f"{_PROPERTIES[assumption]}_lower" not in numbers:
+                remarks.append(f"{assumption} taken as exact")
+            return main._replace(details="; ".join(details), remark=", ".join(filter(None, remarks)))
     return Cell(NOT_JUDGED)
 
 

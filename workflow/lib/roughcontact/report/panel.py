@@ -230,7 +230,7 @@ def each_load(numbers: xr.Dataset, with_maps: Sequence[int]) -> list[tuple[str, 
     result = []
     for index, (_, *cells) in enumerate(glance_rows(numbers, indices=range(loads.size))):
         text = [
-            ", ".join(filter(None, (f"{title} {cell.text}", cell.details, cell.precision)))
+            ", ".join(filter(None, (f"{title} {cell.text}", cell.details, cell.known)))
             + (f" ({VERDICTS[cell.outcome]})" if cell.outcome else "")
             for title, cell in zip(HEADINGS[1:], cells, strict=True)
         ]

@@ -74,27 +74,31 @@ def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
     return ("at least", lower) if lower > 0 else ("not", math.nan)
 
 
-def precision_in_words(value: float, lower: float, upper: float, unit: Unit, *, remark: str = "") -> str:
-    """Return how well a number is known by its interval, with a remark; empty without one.
+def is_known(value: float, lower: float, upper: float) -> bool:
+    """Return whether an interval leaves the order of magnitude of a number, or less, open."""
+    return precision(value, lower, upper)[0] in ("percent", "factor", "magnitude")
+
+
+def precision_in_words(value: float, lower: float, upper: float, unit: Unit) -> str:
+    """Return how well a number is known by its interval; empty without one.
 
     Examples
     --------
-    >>> precision_in_words(1.0, 0.83, 1.1, Unit(1.0, "GPa"), remark="hardness taken as exact")
-    'to ± 20 %, hardness taken as exact'
+    >>> precision_in_words(1.0, 0.83, 1.1, Unit(1.0, "GPa"))
+    'to ± 20 %'
     """
     if math.isnan(lower) and math.isnan(upper):
         return ""
     kind, limit = precision(value, lower, upper)
-    suffix = f", {remark}" if remark else ""
     if kind == "percent":
-        return f"to ± {limit:.0f} %{suffix}"
+        return f"to ± {limit:.0f} %"
     if kind == "factor":
-        return f"to a factor {number(limit, digits=2)}{suffix}"
+        return f"to a factor {number(limit, digits=2)}"
     if kind in ("at most", "at least"):
         trivial = unit.symbol == "%" and limit * unit.factor >= 99.95  # all of the area
         bound = unit.text(float(f"{limit:.3g}"))
         return "not by this map" if trivial else f"not by this map: {kind} {bound}"
-    return f"order of magnitude{suffix}" if kind == "magnitude" else "not by this map"
+    return "order of magnitude" if kind == "magnitude" else "not by this map"
 
 
 def add_precision(statistics: xr.Dataset) -> xr.Dataset:

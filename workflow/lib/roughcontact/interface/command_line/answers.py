@@ -155,7 +155,7 @@ def _table(
     remarks = ["remarks"] if any(flags) else []
     table = Table(*headings, *remarks, box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="")
     for index, cells in enumerate(rows):
-        texts = ["\n".join(filter(None, (cell.text, cell.details, cell.precision))) for cell in cells]
+        texts = ["\n".join(filter(None, (cell.text, cell.details, cell.known))) for cell in cells]
         table.add_row(*texts, *([", ".join(flags[index])] if remarks else []))
     page = io.StringIO()
     Console(
