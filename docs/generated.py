@@ -96,7 +96,9 @@ def materials() -> str:
         (
             name,
             aliases.replace(",", ", "),
-            *(re.sub(r" (\S+) (\S+)$", r" (\1–\2)", cell) for cell in cells),
+            *(re.sub(r" (\S+) (\S+)$", r" (\1–\2)", cell) for cell in cells[:-2]),
+            cells[-2].replace(" ", " to "),
+            cells[-1],
         )
         for name, aliases, *cells in rows
     ]
@@ -109,6 +111,7 @@ def materials() -> str:
         "yield (MPa)",
         "k (W/m K)",
         "ρ (nΩ m)",
+        "solid or in use (°C)",
         "source",
     )
     return (

@@ -4,15 +4,18 @@ import re
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from roughcontact import evaluate, material, solve_contact
 from roughcontact.arguments import materials
+from roughcontact.arguments.measurement import json_attributes
 from roughcontact.arguments.named_materials import (
     _properties,
     _row,
     material_names,
     modulus_uncertainty,
     named_bodies,
+    temperature_limits,
 )
 from roughcontact.arguments.ranges import ends, shares_of_range
 from roughcontact.arguments.settings.resolve import resolve
@@ -20,6 +23,8 @@ from roughcontact.errors import SettingsError
 from roughcontact.interface.command_line.options import parse_bodies
 from roughcontact.report.asked import bodies_in_words
 from roughcontact.statistics.conductance import conductivity_ranges
+from roughcontact.statistics.contact_checks import units
+from roughcontact.statistics.outcome import PASSED, REVIEW
 from roughcontact.surface.synthetic import rough_reference_surface
 
 PURE = [
@@ -252,3 +257,57 @@ def test_names_and_numbers_give_the_same_contact():
     assert re.search("brass", str(named.attrs))
     directly = solve_contact(height, bodies=["steel", "brass"], mean_pressure=1e7)
     assert float(directly["contact_modulus"]) == pytest.approx(materials.contact_modulus(bodies))
+
+
+@pytest.mark.parametrize(
+    ("name", "melting"),
+    [  # K, of Incropera's tables of metallic and nonmetallic solids
+        *(("gold", 1336), ("silver", 1235), ("copper", 1358), ("tin", 505), ("nickel", 1728), ("lead", 601)),
+        *(("platinum", 2045), ("zinc", 693), ("titanium", 1953), ("molybdenum", 2894), ("tungsten", 3660)),
+        *(("silicon", 1685), ("alumina", 2323), ("stainless-steel", 1670), ("aluminium-7075", 775)),
+    ],
+)
+def test_solids_end_where_books_have_them_melt(name, melting):
+    """An alloy begins to melt below the one number that the book has."""
+    limits = temperature_limits([material(name)])[name]
+    share = 0.05 if "-" in name else 0.01
+    assert limits["highest"] + 273.15 == pytest.approx(melting, rel=share)
+    assert limits["lowest"] <= -273
+
+
+@pytest.mark.parametrize(
+    ("bodies", "numbers", "words"),
+    [
+        (["PTFE", "steel"], {"max_flash_temperature": 306.0}, ""),
+        (["PTFE", "steel"], {"max_flash_temperature": 308.0}, "takes PTFE from room temperature beyond 327"),
+        (["tin", "copper"], {"temperature_drop": 213.0}, "takes tin from room temperature beyond 232 °C"),
+        (["mine", "glass"], {"max_flash_temperature": 3000.0}, ""),
+        (["NBR 60 Shore A"], {"relaxation": 150.0}, ""),
+        (["NBR 60 Shore A"], {"relaxation": 423.0}, ""),  # K
+        (["NBR 60 Shore A"], {"relaxation": 151.0}, "NBR 60 Shore A is stated at 151, in °C and in K beyond"),
+        (["NBR 60 Shore A"], {"relaxation": 424.0}, "-50 to 150 °C: check relaxation.temperature"),
+    ],
+)
+def test_temperatures_beyond_the_range_of_a_material_are_a_sentence(bodies, numbers, words):
+    stated = {"relaxation": {"temperature": numbers.get("relaxation")}}
+    named = [{"name": name, **stated} for name in bodies]
+    statistics = xr.Dataset(
+        {name: ("load", [value]) for name, value in numbers.items() if name != "relaxation"}
+        | {"contact_modulus": 1e9, "mean_pressure": ("load", [1e6])},
+        attrs=json_attributes({"temperatures": temperature_limits(named)}),
+    )
+    check = units(statistics)
+    assert check.outcome == (REVIEW if words else PASSED)
+    assert words in check.sentence
+
+
+def test_a_run_warns_of_a_surface_that_melts():
+    friction = {"coefficient": 0.5, "speed": "0.1 m/s"}
+    result = evaluate(
+        rough_reference_surface(64),
+        contact={"bodies": ["lead", "steel"], "mean_pressure": "5 MPa"},
+        statistics={"friction": friction},
+        uncertainty={"sources": []},
+    )
+    assert float(result["max_flash_temperature"].max()) > 307
+    assert "takes lead from room temperature beyond 327 °C" in result.attrs["reasons"]

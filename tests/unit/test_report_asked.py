@@ -73,3 +73,18 @@ def test_settings_that_differ_from_their_defaults_follow_each_with_its_unit():
     of_seal = "seal: viscosity 0.00100 Pa s, pressure difference 100 kPa, width 2.00 mm"
     assert words["plain"].endswith(f"hardness 100 MPa; loads planned for each map; {of_seal}")
     assert words["cut"].count("; ") == 4
+
+
+def test_units_and_ranges_are_those_that_people_read():
+    joint = {"area": "4 cm2", "heat_flow": 20, "gas_conductivity": 0.026, "temperature_jump": "3.7 um"}
+    steel = {"youngs_modulus": 2e11, "poissons_ratio": 0.3, "thermal_conductivity": 50}
+    contact = {"bodies": [steel, steel], "hardness": 2e9, "hardness_uncertainty": [0.2, 0.3]}
+    contact |= {"mean_pressure_uncertainty": 0.05, "mean_pressure": 1e6}
+    seal = {"perimeter": 0.1, "allowed_leak": "1 ml/h", "viscosity": 1e-3, "pressure_difference": "1 bar"}
+    config = {"contact": contact, "statistics": {"joint": joint, "seal": seal | {"width": "2 mm"}}}
+    text = "; ".join(changed_settings(resolve(config)[""]))
+    for words in (
+        *("hardness_uncertainty: −20.0 % +30.0 %", "mean_pressure_uncertainty: ± 5.00 %"),
+        *("area 400 mm²", "heat_flow 20.0 W", "gas_conductivity 0.0260 W/(m K)", "allowed_leak 1.00 ml/h"),
+    ):
+        assert words in text

@@ -33,6 +33,7 @@ MIN_RELATIVE_LOAD = 1e-8  # mean pressure over contact modulus: 1 kPa on steel
 # is in contact
 SOFT_RELATIVE_LOAD = 1e-4
 MAX_FRICTION = 5.0  # coefficient of friction: soft rubber on clean glass comes to 3 or 4
+ROOM = 20.0  # °C, at which properties of the table hold
 HOTTEST = 4e3  # K, where no solid is left: tungsten melts at 3.7e3 K, carbon sublimes at 3.9e3 K
 
 _GIGA, _MEGA, _KILO = 1e9, 1e6, 1e3

@@ -17,7 +17,7 @@ _STRUCTURED: dict[str, type] = {
     **dict.fromkeys(("instrument", "ingest_spikes", "ingest_sources"), dict),
     **dict.fromkeys(("form_removed", "outlier_kinds", "filters_removed", "profile_spectra"), dict),
     **dict.fromkeys(("channels", "ingest_warnings", "ingest_facts", "profile_warnings"), list),
-    **dict.fromkeys(("settings", "versions", "bands", "verdicts"), dict),
+    **dict.fromkeys(("settings", "versions", "bands", "verdicts", "temperatures"), dict),
     **dict.fromkeys(("reasons", "remarks", "left_out", "failed", "bodies"), list),
 }
 _INSTRUMENT = "instrument_"  # begins what the table of surfaces, or the settings, say of the instrument

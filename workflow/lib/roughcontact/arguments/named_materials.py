@@ -1,4 +1,4 @@
-"""Materials by name: elastic constants, hardness, yield stress, conductivity, resistivity, with ranges."""
+"""Materials by name: elastic constants, hardness, yield stress, conductivity, resistivity, temperatures."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -9,12 +9,13 @@ from typing import Any, NamedTuple
 
 from roughcontact.arguments.materials import RIGID
 from roughcontact.arguments.ranges import OF_BODIES, name_of_range, shares_of_range, weighted
-from roughcontact.arguments.stacks import top_material
+from roughcontact.arguments.stacks import located_materials, top_material
 from roughcontact.errors import SettingsError
 
 _SI = {"GPa": 1e9, "MPa": 1e6, "nOhm_m": 1e-9}
 _GENT, _SHORE_A, _DEGREES = "Gent", (20, 95), 5  # source of moduli of elastomers; limits, tolerance
 _HARDNESS = ("hardness", name_of_range("hardness"))
+_TEMPERATURE = "temperature_degC"
 _TRANSPORT = ("thermal_conductivity", "electrical_resistivity")  # of use only where both bodies state them
 
 
@@ -120,6 +121,28 @@ def modulus_uncertainty(bodies: Sequence[Mapping[str, Any]]) -> float | None:
     return round(1 - lower / total, 3)
 
 
+def temperature_limits(bodies: Sequence[Mapping[str, Any]] | None) -> dict[str, dict[str, float]]:
+    """Return for each name of bodies and layers the `lowest` and `highest` temperature (°C) of the table.
+
+    `stated` is that of a relaxation, in °C or in K. Materials without a range in the table are left out.
+
+    Examples
+    --------
+    >>> temperature_limits([{"name": "NBR 60 Shore A"}, {"name": "mine"}])
+    {'NBR 60 Shore A': {'lowest': -50.0, 'highest': 150.0}}
+    """
+    limits = {}
+    for _, body in located_materials(bodies):
+        name = str(body.get("name"))
+        if text := _names().get(_plain(_name_and_hardness(name)[0]), {}).get(_TEMPERATURE):
+            lowest, highest = map(float, text.split())
+            limits[name] = {"lowest": lowest, "highest": highest}
+            relaxation = body.get("relaxation")
+            if isinstance(relaxation, Mapping) and relaxation.get("temperature") is not None:
+                limits[name]["stated"] = float(relaxation["temperature"])
+    return limits
+
+
 def material_names() -> list[str]:
     """Return the names of the table, without the further names of the same material."""
     return [row["name"] for row in _table()]
@@ -154,7 +177,7 @@ def _properties(name: str) -> dict[str, Property]:
     for heading, text in row.items():
         unit = next((unit for unit in _SI if heading.endswith(unit)), "")
         key = re.sub("_(GPa|MPa|W_m-1_K-1|nOhm_m)$", "", heading)
-        if text and key not in ("name", "aliases", "source"):
+        if text and key not in ("name", "aliases", "source", _TEMPERATURE):
             # as decimal numbers are written: 1.4 GPa is 1400000000 Pa, not 1399999999.9999998
             value, lowest, highest = (
                 float(f"{float(number_text) * _SI.get(unit, 1.0):.6g}") for number_text in text.split()

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 import xarray as xr
 
-from roughcontact.arguments.measurement import Instrument
+from roughcontact.arguments.measurement import Instrument, json_attributes
+from roughcontact.arguments.named_materials import temperature_limits
 from roughcontact.arguments.positions import separate_positions
 from roughcontact.arguments.settings.stages import stage_settings
 from roughcontact.contact.dataset import joined
@@ -225,4 +226,6 @@ def _properties(window: xr.DataArray, settings: Settings) -> dict[str, Any]:
         properties["loads"] = "planned"  # or those of a target
     properties["periodisation"] = window.attrs.get("periodisation", "none")
     properties["measured_by"] = instrument_kind(window.attrs).name
+    if limits := temperature_limits(settings["contact"].get("bodies")):
+        properties |= json_attributes({"temperatures": limits})
     return properties | {key: window.attrs[key] for key in _OF_WINDOW if key in window.attrs}

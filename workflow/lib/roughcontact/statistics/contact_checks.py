@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments import materials
+from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import number, percent, pressure_unit, quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.contact.dataset import recorded_medium
@@ -263,12 +264,8 @@ def units(statistics: xr.Dataset) -> Check:
         return not_made("Not made: the contact modulus is 1, so that pressures are in units of it.")
     if doubt := materials.doubt_of_modulus(modulus):
         return review(f"Contact modulus: {doubt.question().rstrip('.')}")
-    for name, limit, text in (
-        ("friction_coefficient", materials.MAX_FRICTION, "The coefficient of friction by the area is {}"),
-        ("max_flash_temperature", materials.HOTTEST, "Sliding warms by {} K, which no solid bears"),
-    ):
-        if name in statistics and (largest := float(statistics[name].max())) > limit:
-            return review(f"{text.format(number(largest))}: check the units in statistics.friction.")
+    if text := _friction_doubt(statistics) or _temperature_doubt(statistics):
+        return review(text)
     description = f"A contact modulus of {quantity(modulus, 'Pa')}"
     # loads that nobody stated have no unit to be wrong
     if statistics.attrs.get("loads") == "planned":
@@ -279,6 +276,43 @@ def units(statistics: xr.Dataset) -> Check:
     low, high = (pressure_unit(modulus).text(float(f(loads))) for f in (np.min, np.max))
     span = low if low == high else f"{low} to {high}"
     return passed(f"{description} and loads of {span} are those of real materials.")
+
+
+def _friction_doubt(statistics: xr.Dataset) -> str:
+    """Return in a sentence that friction or its warmth is that of no solid, empty if neither is."""
+    for name, limit, text in (
+        ("friction_coefficient", materials.MAX_FRICTION, "The coefficient of friction by the area is {}"),
+        ("max_flash_temperature", materials.HOTTEST, "Sliding warms by {} K, which no solid bears"),
+    ):
+        if name in statistics and (largest := float(statistics[name].max())) > limit:
+            return f"{text.format(number(largest))}: check the units in statistics.friction."
+    return ""
+
+
+def _temperature_doubt(statistics: xr.Dataset) -> str:
+    """Return in a sentence that a named material is beyond its range of temperatures, empty if none is."""
+    rise = max(
+        (
+            float(statistics[name].max())
+            for name in ("max_flash_temperature", "temperature_drop")
+            if name in statistics
+        ),
+        default=0.0,
+    )
+    for name, limits in json_attribute(statistics.attrs, "temperatures").items():
+        lowest, highest, stated = limits["lowest"], limits["highest"], limits.get("stated", materials.ROOM)
+        if materials.ROOM + rise > highest:
+            return (
+                f"Warming by {number(rise)} K takes {name} from room temperature beyond {highest:g} °C, "
+                "where its properties are others: state those at that temperature, or check the units."
+            )
+        # one of both scales may be meant
+        if not any(lowest <= temperature <= highest for temperature in (stated, stated - 273.15)):
+            return (
+                f"The relaxation of {name} is stated at {stated:g}, in °C and in K beyond its range of use, "
+                f"{lowest:g} to {highest:g} °C: check relaxation.temperature."
+            )
+    return ""
 
 
 def _loads(mask: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:

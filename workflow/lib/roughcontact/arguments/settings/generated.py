@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from roughcontact.arguments.quantities import quantity
+from roughcontact.arguments.quantities import Unit, percent, quantity
 from roughcontact.arguments.settings.fields import section_model, setting_base, setting_choices
 from roughcontact.arguments.settings.models import Contact, Section, Settings
 
@@ -20,6 +20,18 @@ _HEAD = """\
 # key has its default. config/README.md explains settings and table of surfaces.
 """
 _QUOTED = re.compile(r"[,:#\[\]{}\"'&*!|>%@`]")  # in a text: it has a meaning in YAML
+# units of which powers of ten are shown in the page's, or without exponents
+_PRINTED = {
+    "m2": Unit(1e6, "mm²"),
+    "m3 s-1": Unit(3.6e9, "ml/h"),
+    "W m-1 K-1": Unit(1.0, "W/(m K)"),
+    "J m-2": Unit(1e3, "mJ/m²"),
+    "m s-1": Unit(1.0, "m/s"),
+    "m2 s-1": Unit(1e6, "mm²/s"),
+    "Ohm": Unit(1e3, "mΩ"),
+    "Ohm m2": Unit(1e12, "µΩ mm²"),
+    "m2 K W-1": Unit(1e6, "mm² K/W"),
+}
 # of JSON schema, by the names that pydantic leaves there for limits behind a validator
 _KEYWORDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
 _WIDTH = 112  # of a comment with its indentation
@@ -86,7 +98,7 @@ def changed_settings(settings: Mapping[str, Any]) -> list[str]:
     ['statistics.friction: shear_strength 50.0 MPa']
     """
     return [
-        f"{section}.{name}: {value_text(settings[section][name], field)}"
+        f"{section}.{name}: {value_text(settings[section][name], field, name=name)}"
         for section, of_section in Settings.model_fields.items()
         if section != "report" and (model := section_model(of_section))
         for name, field in model.model_fields.items()
@@ -175,16 +187,24 @@ def flow(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def value_text(value: Any, field: FieldInfo) -> str:
-    """Return the value of a setting: a quantity with its unit, anything else as in YAML."""
+def value_text(value: Any, field: FieldInfo, *, name: str = "") -> str:
+    """Return the value of a setting: a quantity with its unit, a range in percent, else as in YAML."""
     if isinstance(value, dict) and (section := section_model(field)):
         return ", ".join(
-            f"{key} {value_text(entry, section.model_fields[key])}"
+            f"{key} {value_text(entry, section.model_fields[key], name=key)}"
             for key, entry in value.items()
             if entry is not None
         )
+    if name.endswith("_uncertainty"):
+        below, *_, above = map(percent, value if isinstance(value, list) and len(value) > 1 else [value] * 2)
+        return f"± {above}" if below == above else f"−{below} +{above}"
     unit = setting_base(field)
     if unit and isinstance(value, list) and all(isinstance(entry, float) for entry in value):
         # no load: the largest one, of contact.unload
-        return ", ".join(quantity(entry, unit) for entry in value) or "true"
-    return quantity(value, unit) if unit and isinstance(value, float) else flow(value)
+        return ", ".join(_with_unit(entry, unit) for entry in value) or "true"
+    return _with_unit(value, unit) if unit and isinstance(value, float) else flow(value)
+
+
+def _with_unit(value: float, unit: str) -> str:
+    """Return a value (SI) with a unit that people read."""
+    return _PRINTED[unit].text(value) if unit in _PRINTED else quantity(value, unit)
