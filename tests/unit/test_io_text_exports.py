@@ -51,6 +51,7 @@ def test_headings_of_a_spreadsheet_in_each_encoding(read, encoding, headings):
         ("cp1252", "XY Calibration;Horizontal;Vertical;Unit;Height;Light intensity"),
         ("cp1252", "XY-Justierung;Horizont.;Vertikal;Einheit;Höhe;Lichtintensität"),
         ("cp1252", "Calibrage XY;Horizontal;Vertical;Unité;Hauteur;Intensité lumineuse"),
+        ("cp1252", "Calibration XY;Horizontal;Vertical;Unité;Hauteur;Intensité lumineuse"),
         ("cp932", "XYキャリブレーション;横;縦;単位;高さ;光量"),
         ("gbk", "XY校准;水平;垂直;单位;高度;光强"),
         ("cp949", "XY캘리브레이션;가로;세로;단위;높이;광량"),

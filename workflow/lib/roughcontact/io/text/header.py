@@ -347,20 +347,17 @@ def _strip_sides(key: str, value: str) -> tuple[str, str, str]:
     """
     if len(key) + len(value) > _MAX_PHRASE:
         return key, value, "xy"
-    order_match = _ORDER.search(key)
-    names = [
-        *(order_match.groups() if order_match else ()),
-        *("".join(groups) for groups in _LABEL.findall(value)),
-    ][-2:]
+    order = _ORDER.search(key) or _ORDER.search(value)  # behind the name, or behind the numbers
+    bare_key, bare_value = _ORDER.sub("", key), _ORDER.sub("", value)
+    labels = ["".join(groups) for groups in _LABEL.findall(bare_value)]
+    names = [*(order.groups() if order else ()), *labels][-2:]
     is_x = re.compile(f"d?(?:{_SIDES['x']})", re.IGNORECASE).fullmatch
     axes = "".join("x" if is_x(name) else "y" for name in names)
     if axes not in ("xy", "yx"):
         return key, value, "xy"
-    if order_match:
-        key = _ORDER.sub("", key)
-        whole_name = "step" if order_match[1][0] in "dD" else "size" * (len(order_match[1]) > 1)
-        key = key if key.strip() else whole_name
-    return key, _LABEL.sub(" ", value).strip("[( "), axes
+    if order and not bare_key.strip():
+        bare_key = "step" if order[1][0] in "dD" else "size" * (len(order[1]) > 1)
+    return bare_key, _LABEL.sub(" ", bare_value).strip("[( "), axes
 
 
 def _parse_numbers(
