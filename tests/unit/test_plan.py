@@ -22,10 +22,10 @@ def plan(cases=None, *, pair=False, path="ground.x3p", overview="", **sections):
     settings = {"contact": {"contact_modulus": 1e9, "mean_pressure": [1e6, 2e6]}} | sections
     if cases:
         settings["cases"] = cases
-    counter_face = Path("other.x3p") if pair else None
     name = "seal" if pair else "ground"
     cells = {"dx": 2.0} | ({"overview": [{"path": overview}]} if overview else {})
-    surface = Surface(name, Path(path), "table.tsv, line 2", cells, counter_face)
+    surface = Surface(name, Path(path), "table.tsv, line 2", cells)
+    surface = surface.with_counter_face(Path("other.x3p")) if pair else surface
     return Plan(resolve(settings | {"composite": {"shifts": 2}}), {name: surface})
 
 

@@ -230,7 +230,7 @@ def test_names_that_snakemake_cannot_take_are_named(table, name, message):
 def test_cells_are_stripped_and_empty_ones_beyond_the_header_are_none(table):
     surface = read_surfaces(table(" surface\tpath \tunit", " a \t a.txt\t \t\t"))["a"]
     assert (surface.name, surface.path.name, surface.read_arguments) == ("a", "a.txt", {})
-    assert surface.counter_face is None
+    assert surface.files() == [surface]
 
 
 def test_further_folders_come_after_that_of_the_table(table, tmp_path, monkeypatch):
@@ -242,10 +242,10 @@ def test_further_folders_come_after_that_of_the_table(table, tmp_path, monkeypat
     path.write_text("surface\tpath\tcounter_face\na\ta.txt\ta.txt")
     for name in names:
         row = read_surfaces(path, [tmp_path / "first", tmp_path / "third"])["a"]
-        assert row.path.read_text() == row.counter_face.read_text() == name
+        assert row.path.read_text() == row.files()[1].path.read_text() == name
         (tmp_path / name / "a.txt").unlink()
     row = read_surfaces(path, [tmp_path / "first", tmp_path / "third"])["a"]
-    assert (str(row.path), str(row.counter_face)) == ("a.txt", "a.txt")
+    assert (str(row.path), str(row.files()[1].path)) == ("a.txt", "a.txt")
 
 
 @pytest.mark.parametrize("number", ["0", "-0.0", "nan", "inf", "1 parsec", "-1 um", "0 um", "1,5 um", "true"])
@@ -313,7 +313,7 @@ def test_names_of_files_and_channels_stay_as_they_are(name, tmp_path, monkeypatc
         (surface,) = read.values()
         assert surface.path.read_text() == name
         if written.name == "t.tsv":
-            assert surface.counter_face.read_text() == name
+            assert surface.files()[1].path.read_text() == name
             assert surface.read_arguments == {"channel": name, "unit": "um"}
 
 

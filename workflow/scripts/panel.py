@@ -15,6 +15,6 @@ write_panel(
     surface=surface,
     case=case or None,
     settings=snakemake.params.settings["statistics"],
-    counter_face=paths.counter_height or None,
+    counter_faces=[paths.counter_height] if paths.counter_height else [],
     **files,
 )

@@ -31,4 +31,5 @@ UncertaintySource = Literal[
 Resampling = Literal["linear"]
 Checksum = Literal["ignore"]
 Lay = Literal["across", "none"]  # of a profile
+LayInGroup = Literal["across", "along", "none"]  # of a row of the table: one along serves those across
 FirstRow = Literal["top", "bottom"]  # of a file, in the picture that programs show of it

@@ -15,14 +15,31 @@ class LayFacts(NamedTuple):
 
     has_surface_behind: bool  # which is solved, instead of the profile as ridges
     finding: str  # of the check, with the attributes of the window
+    takes_profiles_along: bool = False  # whether others at right angles tell how long the waves are there
+    ensemble: str = ""  # the surfaces of which a drawn one is an example, in words
+    refusal: str = ""  # why such a profile is not solved, and the way out
 
 
+_ENSEMBLE = "the surfaces with the spectrum, heights and slopes of {profiles}"
 _LAYS = {
-    ACROSS: LayFacts(False, "The profile runs across a lay, as stated: its ridges are endless."),
-    ISOTROPIC: LayFacts(
-        True, "No lay, as stated: the numbers are those of isotropic surfaces with this spectrum."
+    ACROSS: LayFacts(
+        False,
+        "The profile runs across a lay, as stated: its ridges are endless.",
+        takes_profiles_along=True,
     ),
-    BOTH: LayFacts(True, "Waves along the lay are {stretch} times as long as across."),
+    ISOTROPIC: LayFacts(
+        True,
+        "No lay, as stated: the numbers are those of isotropic surfaces with this spectrum.",
+        ensemble=_ENSEMBLE,
+    ),
+    BOTH: LayFacts(True, "Waves along the lay are {stretch} times as long as across.", ensemble=_ENSEMBLE),
+    "along": LayFacts(
+        False,
+        "",
+        refusal="lay = 'along': a profile along the lay runs on one ridge and shows nothing of the others, "
+        "which carry the load; give it as one of `along` beside those across the lay (in a table in one "
+        "group)",
+    ),
 }
 _NOT_STATED = LayFacts(False, "")
 
@@ -40,10 +57,7 @@ def lay_facts(attrs: Mapping[str, Any]) -> LayFacts:
 
 def check_lay(lay: object) -> None:
     """Raise SettingsError for an unknown lay of a profile, and for one along which it was measured."""
-    if lay == "along":
-        raise SettingsError(
-            "lay = 'along': a profile along the lay runs on one ridge and shows nothing of the others, which "
-            "carry the load; give it as one of `along` beside those across the lay (in a table in one group)",
-            keys=["lay"],
-        )
+    facts = lay_facts({"lay": str(lay)})
+    if facts.refusal:
+        raise SettingsError(facts.refusal, keys=["lay"])
     check_choice("lay", lay, Lay)

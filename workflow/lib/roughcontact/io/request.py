@@ -1,8 +1,11 @@
 """The user's arguments for a file, beside its path."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, fields
+from functools import partial
 from numbers import Real
+from typing import Any
 
 from roughcontact.arguments.checking import check_choice
 from roughcontact.arguments.choices import Checksum, FirstRow, Resampling
@@ -12,6 +15,11 @@ from roughcontact.io.vocabulary import rows_of
 #: Options of commands that say what is missing in a file -> what they are.
 FILE_OPTIONS = dict(rows_of("options.tsv"))
 _CHOICES = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow}
+_CHECKS: dict[str, Callable[[Any], object]] = {
+    **{name: partial(check_choice, name, choices=words) for name, words in _CHOICES.items()},
+    "lay": check_lay,
+}
+_KEPT = ("lay",)
 
 
 @dataclass(frozen=True)
@@ -40,10 +48,12 @@ class Request:
         for field in fields(self):
             if _is_empty(getattr(self, field.name)):
                 object.__setattr__(self, field.name, None)
-            elif field.name in _CHOICES:
-                check_choice(field.name, getattr(self, field.name), _CHOICES[field.name])
-        if self.lay is not None:
-            check_lay(self.lay)
+            elif field.name in _CHECKS:
+                _CHECKS[field.name](getattr(self, field.name))
+
+    def attributes(self) -> dict[str, Any]:
+        """Return those of the arguments that the map keeps as attributes."""
+        return {name: value for name in _KEPT if (value := getattr(self, name)) is not None}
 
 
 def _is_empty(value: object) -> bool:

@@ -225,7 +225,9 @@ def _has_lay(numbers: xr.Dataset) -> bool:
 
 
 def _lay(numbers: xr.Dataset) -> str:
-    """Return the direction of the lay, across that of the strongest waves."""
+    """Return the direction of the lay, across that of the strongest waves, or that there is none."""
+    if not _has_lay(numbers):
+        return "none"
     return f"{(float(numbers['Std']) + 90) % 180:.0f}°"
 
 
@@ -328,5 +330,4 @@ def _texture(numbers: xr.Dataset) -> str:
     length = quantity(float(numbers["Sal"]), "m")
     if not np.isfinite(numbers["Str"]):
         return length
-    lay = _lay(numbers) if _has_lay(numbers) else "none"
-    return f"{length}, {number(float(numbers['Str']))}, {lay}"
+    return f"{length}, {number(float(numbers['Str']))}, {_lay(numbers)}"

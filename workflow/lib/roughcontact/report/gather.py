@@ -153,7 +153,7 @@ def comparisons(
     result: dict[tuple[str, str], xr.Dataset] = {}
     omissions: list[str] = []
     for case in dict.fromkeys(group.case for group in answers):
-        of_case = [group for group in answers if group.case == case and not group.placements]
+        of_case = [group for group in answers if group.case == case and group.members.is_compared]
         answers_by_label = {group.label: group.answer for group in of_case}
         new_comparisons, reasons = compare_all(answers_by_label, same_area_pairs=same_area_pairs)
         result, omissions = result | new_comparisons, omissions + reasons

@@ -8,7 +8,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import ANSWERS, AREA, COMPARED, PEAK, TITLES
 from roughcontact.arguments.measurement import json_attribute
-from roughcontact.arguments.quantities import Unit, counted_noun, percent, quantity, with_interval
+from roughcontact.arguments.quantities import Unit, percent, quantity, with_interval
 from roughcontact.report.glance import Cell, glance_units, interval_cell, shown_loads
 from roughcontact.report.load_plots import group_areas
 from roughcontact.report.units import hardness_reached, unit_of
@@ -106,13 +106,7 @@ def _limited_at(answer: xr.Dataset, load: float) -> bool:
 
 def _composition(group: NamedGroup) -> str:
     """Return what a group is made of, in words."""
-    maps = group.answer.sizes["map"]
-    if group.placements:
-        return counted_noun(maps, "placement") + " of two faces"
-    components = len(set(group.answer["part"].values))
-    return counted_noun(maps, "map") + (
-        f" of {counted_noun(components, 'part')}" if components < maps else ""
-    )
+    return group.members.in_words(group.answer.sizes["map"], len(set(group.answer["part"].values)))
 
 
 def _verdicts(group: NamedGroup, verdicts: Mapping[tuple[str, str | None], str]) -> str:

@@ -34,6 +34,10 @@ from roughcontact.statistics.outcome import (
 )
 from roughcontact.surface.faces.placing import frame_of_place, place_in_words, separate_overviews
 
+_TITLES = {  # of the maps by the number of measured faces
+    1: ("As measured", "Levelled"),
+    2: ("Face, as measured", "Counter-face, as measured", "Sum of both, levelled"),
+}
 _LINE = 150  # letters of a reason; a line of a wide page has some 170
 
 
@@ -48,14 +52,14 @@ def write_panel(
     contact: str | Path,
     statistics: str | Path,
     settings: dict,
-    counter_face: str | Path | None = None,
+    counter_faces: Sequence[str | Path] = (),
     overview: str | Path | None = None,
     linked: bool = True,
 ) -> None:
     """Write one surface's part of the report: an HTML fragment, and its summary (`.json`), from its files.
 
-    Where `contact` keeps no maps the part says so; `linked` puts links to the files, `counter_face` is the
-    other file of a pair, `overview` that of the coarser maps around this one.
+    Where `contact` keeps no maps the part says so; `linked` puts links to the files, `counter_faces` has
+    the other file of a pair, `overview` that of the coarser maps around this one.
     """
     measured_map, plane, window_map = (_read_map(file) for file in (height, levelled, window))
     numbers = read_dataset(statistics)
@@ -64,7 +68,7 @@ def write_panel(
     indices = usable_loads(numbers)
     checks_of = partial(
         checks.surface_checks,
-        height=plane.attrs if counter_face else measured_map.attrs,  # of both faces together
+        height=plane.attrs if counter_faces else measured_map.attrs,  # of both faces together
         levelled=plane.attrs,
         window=window_map.attrs,
         points=window_map.size,
@@ -79,7 +83,7 @@ def write_panel(
     verdict = worst_result(checks_shown)
     doubts = sort_by_importance(not_passed(outcome))
     available = facts.surface_facts(measured_map, plane, window_map, numbers)
-    maps = _maps(measured_map, plane, window_map, numbers, counter_face)
+    maps = _maps(measured_map, plane, window_map, numbers, counter_faces)
     if overview is not None:
         coarser = separate_overviews(read_dataset(overview))
         maps += [_overview(field, plane, numbers) for field in coarser]
@@ -161,17 +165,18 @@ def _maps(
     levelled_map: xr.DataArray,
     window: xr.DataArray,
     numbers: xr.Dataset,
-    counter_face: str | Path | None,
+    counter_faces: Sequence[str | Path],
 ) -> list[tuple[str, str, str]]:
     """Return (title, image, caption) of the heights after each stage; of a pair, both measured faces."""
-    faces, title_of_levelled = {"As measured": measured_map}, "Levelled"
-    if counter_face is not None:
-        faces = {"Face, as measured": measured_map, "Counter-face, as measured": _read_map(counter_face)}
-        title_of_levelled = "Sum of both, levelled"
+    measured = [measured_map, *map(_read_map, counter_faces)]
+    *titles, title_of_levelled = _TITLES[len(measured)]
     chart = partial(map_plots.height_map, unit=unit_of(numbers, "m"), along=unit_of(numbers, "m along"))
     levelled_chart = chart(levelled_map, rectangle=_frame(window))
     return [
-        *((title, chart(face).source(), facts.measured_caption(face)) for title, face in faces.items()),
+        *(
+            (title, chart(face).source(), facts.measured_caption(face))
+            for title, face in zip(titles, measured, strict=True)
+        ),
         (title_of_levelled, levelled_chart.source(), facts.levelled_caption(levelled_map)),
         ("Solved window", chart(window).source(), window.attrs.get("window_reason", "")),
     ]

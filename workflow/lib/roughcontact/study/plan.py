@@ -204,13 +204,13 @@ class Plan:
         face = f"{pairs}-(?:counter-)?face"
         placement = f"{pairs}-{regex_of_names(map(str, range(1, last + 1)))}"
         surveyed = regex_of_names(self.with_overview)
-        others = "|".join([face, placement] * bool(self.placements) + [surveyed] * bool(self.with_overview))
+        others = f"{face}|{placement}|{surveyed}"  # without pairs, or overviews, these match nothing
         name = {
-            "prepare": f"(?!(?:{others})(?:/|$)){NAME}" if others else NAME,
+            "prepare": f"(?!(?:{others})(?:/|$)){NAME}",
             "prepare_with_overview": surveyed,
             "prepare_face": face,
             "superpose": placement,
-        }.get(rule, f"(?!{face}(?:/|$)){NAME}" if self.placements else NAME)
+        }.get(rule, f"(?!{face}(?:/|$)){NAME}")
         return name if "" in cases else f"{regex_of_names(cases)}/{name}"
 
     @cached_property

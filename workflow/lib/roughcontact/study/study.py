@@ -8,9 +8,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from roughcontact.arguments.checking import check_choice, marker_values
-from roughcontact.arguments.choices import Checksum, FirstRow, Resampling
+from roughcontact.arguments.choices import Checksum, FirstRow, LayInGroup, Resampling
 from roughcontact.arguments.kinds import PERIODIC_MAP
-from roughcontact.arguments.lays import check_lay
 from roughcontact.arguments.settings.models import Composite, Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.units import unit_factor, unknown_unit
@@ -19,7 +18,6 @@ from roughcontact.study.surfaces import (
     GROUP,
     OVERVIEW,
     PAIR,
-    PAIR_FIRST_ROW,
     Mistake,
     Surface,
     find,
@@ -116,30 +114,28 @@ def _check_size(config: Mapping[str, Any]) -> None:
 
 def _find_mistakes(row: Surface) -> list[Mistake]:
     """Return column and sentence of the mistakes in the files, units and choices of a row."""
-    paths = [("path", row.path), (PAIR, row.counter_face)]
+    paths = [*zip(("path", PAIR), (file.path for file in row.files()), strict=False)]
     paths += [(OVERVIEW, Path(file["path"])) for file in row.read_arguments.get(OVERVIEW, ())]
     mistakes = [
         (key, f"{key} = {str(path)!r}: no such file; correct the path or put # before the row")
         for key, path in paths
-        if path is not None and (key, path) != ("path", Path()) and find(path, ["."]) is None
+        if (key, path) != ("path", Path()) and find(path, ["."]) is None
     ]
     mistakes += [
         (key, f"{key}: {unknown_unit(row.read_arguments[key], 'm')}")
         for key in ("unit", "height_unit")
         if key in row.read_arguments and unit_factor(row.read_arguments[key], "m") is None
     ]
-    choices = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow, PAIR_FIRST_ROW: FirstRow}
+    choices = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow, "lay": LayInGroup}
     checks: dict[str, Callable[[Any], object]] = {
         "missing_value": marker_values,
         "ignore_lines": lambda cell: marker_values(cell, "ignore_lines"),
-        "lay": lambda cell: check_lay("across" if cell == "along" else cell),  # of one group
         **{key: partial(check_choice, key, choices=words) for key, words in choices.items()},
     }
-    cells = {**row.read_arguments, PAIR_FIRST_ROW: row.counter_face_first_row}
     for key, check in checks.items():
         try:
-            if cells.get(key):
-                check(cells[key])
+            if cell := row.read_arguments.get(key):
+                check(cell)
         except SettingsError as error:
             mistakes.append((key, str(error)))
     return mistakes

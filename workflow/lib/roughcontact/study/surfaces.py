@@ -13,12 +13,15 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, field, replace
+from functools import partial
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
+from roughcontact.arguments.checking import check_choice
+from roughcontact.arguments.choices import FirstRow
 from roughcontact.arguments.positions import parse_position, separate_positions
 from roughcontact.arguments.rectangles import parse_rectangles
 from roughcontact.arguments.settings.messages import name_mistake, nearest, reason
@@ -113,8 +116,7 @@ class Surface:
     path: Path  # the measured file; as in the table where there is no such file
     origin: str  # table and line, for messages
     read_arguments: dict[str, Any]  # keyword arguments of `read_height_map`
-    counter_face: Path | None = None  # the other file of a pair
-    counter_face_first_row: str = ""  # empty: as in the file
+    faces: tuple["Surface", ...] = ()  # of a pair: its two measured files
     group: str = ""  # the finish
     specimen: str = ""  # empty where it is of a specimen of its own
     repeat_of: str = ""  # surface of the same area, measured with nothing done in between
@@ -133,14 +135,17 @@ class Surface:
 
     def files(self) -> list["Surface"]:
         """Return the measured files of a row: itself, or of a pair its face and its counter-face."""
-        if self.counter_face is None:
-            return [self]
+        return [*(self.faces or [self])]
+
+    def with_counter_face(self, path: Path, first_row: str = "") -> "Surface":
+        """Return the pair with the face in another file, of which all but its `first_row` is the same."""
         counter = {key: value for key, value in self.read_arguments.items() if key != "first_row"}
-        counter |= {"first_row": first_row} if (first_row := self.counter_face_first_row) else {}
-        return [
+        counter |= {"first_row": first_row} if first_row else {}
+        faces = (
             Surface(f"{self.name}-face", self.path, self.origin, self.read_arguments),
-            Surface(f"{self.name}-counter-face", self.counter_face, self.origin, counter),
-        ]
+            Surface(f"{self.name}-counter-face", path, self.origin, counter),
+        )
+        return replace(self, faces=faces)
 
     def placements(self, count: int) -> dict[str, Placement]:
         """Return so many relative positions of the files by name, none of a single one."""
@@ -207,9 +212,7 @@ def read_surfaces(
         read_arguments |= {
             key: row[key] if carries_unit(row[key]) else _length(row[key]) for key in NUMBERS if row.get(key)
         }
-        path, counter_face = (
-            (find(row[key], folders) or Path(row[key])) if row.get(key) else None for key in ("path", PAIR)
-        )
+        paths = {key: find(row[key], folders) or Path(row[key]) for key in ("path", PAIR) if row.get(key)}
         if overviews := _overviews(row, doubts):
             shared = {key: value for key, value in read_arguments.items() if key in _OF_OVERVIEWS}
             read_arguments[OVERVIEW] = [
@@ -218,13 +221,15 @@ def read_surfaces(
             ]
         surface = Surface(
             row.get("surface", ""),
-            path or Path(),
+            paths.get("path", Path()),
             f"{table}, line {line}",
             read_arguments,
-            counter_face,
-            *(row.get(key, "") for key in (PAIR_FIRST_ROW, GROUP, SPECIMEN, REPEAT, BEFORE)),
+            (),
+            *(row.get(key, "") for key in (GROUP, SPECIMEN, REPEAT, BEFORE)),
             line=line,
         )
+        if PAIR in paths:
+            surface = surface.with_counter_face(paths[PAIR], row.get(PAIR_FIRST_ROW, ""))
         surfaces[surface.name] = earlier[surface.name.lower()] = surface
         if row.get(TILES):
             cuts[surface.name] = row[TILES]
@@ -359,10 +364,12 @@ def _mistakes_in_row(row: Mapping[str, str], earlier: Mapping[str, Surface]) -> 
     for (key, other), sentence in _EXCLUSIVE.items():
         if row.get(key) and row.get(other):
             yield key, f"{key} = {row[key]}: {sentence.format(name=name, cell=row[other])}"
-    for key in REGION:
+    checks: dict[str, Callable[[str], object]] = {key: partial(parse_rectangles, key) for key in REGION}
+    checks[PAIR_FIRST_ROW] = partial(check_choice, PAIR_FIRST_ROW, choices=FirstRow)
+    for key, check_cell in checks.items():
         if text := row.get(key):
             try:
-                parse_rectangles(key, text)
+                check_cell(text)
             except SettingsError as error:
                 yield key, str(error)
     if row.get("path", "") in ("", ".", "./"):
@@ -421,7 +428,8 @@ def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> Iterator[SettingsErr
             arguments = {key: value for key, value in row.read_arguments.items() if key != TILES}
             channels = arguments.pop("channel", "").split(";")  # of profiles several
             for channel in dict.fromkeys(map(str.strip, channels)):
-                original = read.setdefault(f"{row.path} {row.counter_face} {channel} {arguments}", row)
+                files = [str(file.path) for file in row.files()]
+                original = read.setdefault(f"{files} {channel} {arguments}", row)
                 if original.origin != row.origin:
                     file = f"{row.path} {channel}".strip()
                     text = f"{cell}: {original.name} and {row.name} are the same file, {file}; leave one out"

@@ -18,7 +18,6 @@ from roughcontact.errors import SettingsError
 from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads
 from roughcontact.uncertainty.combination import SIGNS, SOURCES
 from roughcontact.uncertainty.groups import (
-    SHARED,
     check_alike,
     check_sizes,
     needed_for_groups,
@@ -26,6 +25,7 @@ from roughcontact.uncertainty.groups import (
 )
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.improvement import ADVICE
+from roughcontact.uncertainty.members import SHARED
 from roughcontact.uncertainty.random_effects import (
     SIGNIFICANCE,
     Effects,

@@ -10,6 +10,7 @@ import xarray as xr
 from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.measurement import json_attribute, json_attributes
 from roughcontact.uncertainty.headline import headline_names
+from roughcontact.uncertainty.members import Members, members_of_group
 
 _ENDINGS = ("", *(f"{key}{suffix}" for key in ("", "_next", "_next_part") for suffix in ENDS[1:]))
 _COMPARED = (*(f"ratio{suffix}" for suffix in ENDS), "p_value", "outcome")
@@ -27,6 +28,11 @@ class NamedGroup(NamedTuple):
     def label(self) -> str:
         """The name, with that of the case where there are cases."""
         return self.name if self.case is None else f"{self.name} · {self.case}"
+
+    @property
+    def members(self) -> Members:
+        """What its maps are to one another."""
+        return members_of_group(placements=self.placements)
 
 
 def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:

@@ -34,10 +34,10 @@ from roughcontact.uncertainty.combination import (
     limited,
 )
 from roughcontact.uncertainty.headline import headline_names
+from roughcontact.uncertainty.members import Members, members_of_group
 from roughcontact.uncertainty.random_effects import grubbs_outliers, moderated, random_effects, student
 from roughcontact.uncertainty.scales import ANSWERS, QUANTITIES, from_scale, to_scale
 
-SHARED = ("discretisation", "instrument", "material", "hardness", "unresolved")
 MIN_FOR_INTERVAL = 3  # parts, or maps, below which there is a range instead of an interval
 _SAME = 1e-6  # relative, of moduli and sizes
 # largest ratio of the limits of the bands of two maps: a tenth at the short end changes the area by 2 % (at a
@@ -142,10 +142,12 @@ def group_statistics(
                 f"{label}: {name} holds several surfaces; select one of them for each map (.sel(surface=...))"
             )
     datasets = [_drop_padding(data) for data in datasets]
+    size = _body_size(datasets[0])
+    members = members_of_group(placements=placements, finite=not np.isnan(size))
     contents = [_content(data) for data in datasets]
     for name, content in zip(names, contents, strict=True):
         twin = names[contents.index(content)]
-        if content and twin != name and not placements:  # which on a smooth face may be equal
+        if content and twin != name and not members.may_be_equal:
             raise SettingsError(
                 f"{label}: {twin} and {name} have the same results, as copies of one map have, which says "
                 "nothing new; leave one out"
@@ -157,8 +159,6 @@ def group_statistics(
     is_outlier = np.zeros((len(datasets), loads.size), bool)
     hardness = {key: float(datasets[0][key]) for key in _OF_HARDNESS if key in datasets[0]}
     hardest = hardness.get("hardness_upper", hardness.get("hardness", np.inf))
-    size = _body_size(datasets[0])
-    members = "placements" if placements else "maps" if np.isnan(size) else "bodies"
     for name in quantities:
         maps, components = zip(*(scaled_at(name, data, loads) for data in datasets), strict=True)
         values, shared = np.stack(maps), np.mean(components, axis=0)
@@ -167,7 +167,7 @@ def group_statistics(
             if len(datasets) == 1
             else _numbers_of_maps(name, values, shared, parts, loads=loads, hardest=hardest, members=members)
         )
-        if placements and 1 < len(datasets) < MIN_FOR_INTERVAL:
+        if members.has_range_of_intervals and 1 < len(datasets) < MIN_FOR_INTERVAL:
             numbers |= _hull(name, datasets, loads)
         columns |= {f"{name}{ending}": ("load", column) for ending, column in numbers.items()}
         columns[f"{name}_of_maps"] = (("map", "load"), from_scale(name, values))
@@ -188,7 +188,7 @@ def group_statistics(
         "content": ("map", np.array(contents, object)),
     }
     answer = xr.Dataset(columns, coordinates, {"group": group, "body_size": size})
-    remarks = _remarks(answer, datasets, placements=placements)
+    remarks = _remarks(answer, datasets, members)
     return answer.assign_attrs(json_attributes({"remarks": remarks}))
 
 
@@ -239,17 +239,16 @@ def _numbers_of_maps(
     *,
     loads: np.ndarray,
     hardest: float,
-    members: str,
+    members: Members,
 ) -> dict[str, np.ndarray]:
     """Return the numbers (load) of a quantity of several maps, by their endings.
 
     On the scale are `values` (map, load) and `shared` (load, source, component), the mean of the maps, by
-    `SOURCES`. `members` are "maps", "placements" or "bodies"; `hardest` is the upper end of the hardness
-    (Pa).
+    `SOURCES`; `hardest` is the upper end of the hardness (Pa).
     """
     effects = random_effects(values, part_names)
     expected = np.zeros(loads.shape)  # half-width by the window, which tells how maps of the bank scatter
-    if members == "maps" and effects.units == len(values):
+    if members.has_calibrated_scatter and effects.units == len(values):
         expected = shared[:, SOURCES.index("window"), :2].mean(axis=1)
     is_expected = np.isfinite(expected) & (expected > 0)
     if is_expected.any():
@@ -257,17 +256,14 @@ def _numbers_of_maps(
         effects = moderated(effects, scatter, np.where(is_expected, freedom, 0.0))
     next_map = student(effects.next_map_freedom) * effects.next_map
     mean, next_part = (student(effects.freedom) * width for width in (effects.error, effects.next_part))
-    widths = [
-        (width, width) for width in (next_map if members == "placements" else mean, next_map, next_part)
-    ]
+    own_width = {"mean": mean, "next_map": next_map}[members.interval]
+    widths = [(width, width) for width in (own_width, next_map, next_part)]
     if effects.units < MIN_FOR_INTERVAL and not is_expected.all():
         # a range, from map to map
         unknown = np.full(loads.shape, np.nan)
         range_ = effects.mean - values.min(axis=0), values.max(axis=0) - effects.mean
         widths = [range_, (unknown, unknown), (unknown, unknown)]
-    # placements share their maps, and with them the places where these were measured
-    sources = (*SHARED, "window") if members == "placements" else SHARED
-    shared_components = np.moveaxis(shared, 0, 2)[[SOURCES.index(source) for source in sources]]
+    shared_components = np.moveaxis(shared, 0, 2)[[SOURCES.index(source) for source in members.shared]]
     value = from_scale(name, effects.mean)
     columns = {"": value, "_between": effects.between, "_within": effects.within}
     for key, sides in zip(_FURTHER, widths, strict=True):
@@ -376,20 +372,17 @@ def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]
         )
 
 
-def _remarks(answer: xr.Dataset, datasets: Sequence[xr.Dataset], *, placements: bool) -> list[str]:
+def _remarks(answer: xr.Dataset, datasets: Sequence[xr.Dataset], members: Members) -> list[str]:
     """Return what a reader of a group has to know, in sentences."""
     names, part_names = answer["map"].values, answer["part"].values
     loads, is_outlier = answer["mean_pressure"].values, answer["stands_off"].values > 0
     units = len(set(part_names)) if len(set(part_names)) > 1 else len(names)
-    noun, range_of = (
-        ("placements", "their intervals") if placements else ("maps", "the maps, and what these share")
-    )
-    noun = noun if units == len(names) else "parts"
+    noun = f"{members.noun}s" if units == len(names) else "parts"
     sentences = ["A single map: its own numbers and intervals."] if len(names) == 1 else []
     if is_range(answer):
         sentences.append(
-            f"Two {noun}: a range, from the lowest to the highest of {range_of}; three {noun} or more have "
-            "an interval."
+            f"Two {noun}: a range, from the lowest to the highest of {members.range_of}; three {noun} or "
+            "more have an interval."
         )
     elif units == MIN_FOR_INTERVAL - 1:
         sentences.append(

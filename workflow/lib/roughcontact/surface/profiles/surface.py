@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.checking import check_labelled, check_positive
-from roughcontact.arguments.lays import ACROSS, BOTH, ISOTROPIC, check_lay, lay_facts
+from roughcontact.arguments.lays import BOTH, ISOTROPIC, check_lay, lay_facts
 from roughcontact.arguments.maps import dimensions, height_map, spacing
 from roughcontact.arguments.measurement import json_attributes
 from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
@@ -97,7 +97,8 @@ def surface_from_profiles(
     ((256, 256), '1 m')
     """
     check_lay(lay)
-    if lay != ISOTROPIC:
+    facts = lay_facts({"lay": lay})
+    if not facts.has_surface_behind:
         raise SettingsError("lay = 'across': such profiles are ridges, and are solved as they are (evaluate)")
     stack = stacked(profiles, along)
     fit = fit_profiles(stack)
@@ -198,7 +199,8 @@ def with_lay(height: xr.DataArray, lay: str | None, along: Profiles) -> xr.DataA
     if lay is not None:
         check_lay(lay)
         height = height.assign_attrs(lay=lay)
-    if len(along) and lay != ACROSS:
+    takes_along = lay_facts({"lay": lay}).takes_profiles_along
+    if len(along) and not takes_along:
         raise SettingsError(
             f"along: is of a surface with a lay, and lay = {lay!r}; state lay = 'across'", keys=["lay"]
         )
@@ -245,10 +247,8 @@ def levelled_profiles(height: xr.DataArray, options: Mapping[str, Any]) -> xr.Da
 
 def surfaces_behind(synthetic: xr.DataArray | xr.Dataset) -> str:
     """Return in words the surfaces of which a drawn one, or its statistics, is an example; else nothing."""
-    if not is_drawn(synthetic):
-        return ""
-    profile_count = counted_noun(synthetic.attrs["profiles"], "profile")
-    return f"the surfaces with the spectrum, heights and slopes of {profile_count}"
+    attrs = synthetic.attrs
+    return lay_facts(attrs).ensemble.format(profiles=counted_noun(attrs.get("profiles", 1), "profile"))
 
 
 def profile_pieces(profiles: Sequence[xr.DataArray]) -> tuple[np.ndarray, float]:

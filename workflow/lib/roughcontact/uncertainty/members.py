@@ -1,0 +1,75 @@
+"""What the maps of a group are to one another, and what follows from it for their interval."""
+
+from dataclasses import dataclass
+
+from roughcontact.arguments.quantities import counted_noun
+
+SHARED = ("discretisation", "instrument", "material", "hardness", "unresolved")
+
+
+@dataclass(frozen=True)
+class Members:
+    """The maps of a group, by default periodic maps of different places.
+
+    Attributes
+    ----------
+    noun : str
+        one of them.
+    whole : str
+        what all of them are of, in words.
+    range_of : str
+        what a range of two goes over, in words.
+    shared : tuple of str
+        sources of uncertainty that are alike in all, and are no smaller for their mean.
+    interval : {"mean", "next_map"}
+        whether the interval of the group is that of the mean or of one more member.
+    has_calibrated_scatter : bool
+        whether the bank of measured surfaces tells how such maps scatter.
+    has_range_of_intervals : bool
+        whether the range of two goes over their intervals, and not over their values.
+    may_be_equal : bool
+        whether equal results are no sign of a copy.
+    is_compared : bool
+        whether the group is compared with other groups.
+    """
+
+    noun: str = "map"
+    whole: str = ""
+    range_of: str = "the maps, and what these share"
+    shared: tuple[str, ...] = SHARED
+    interval: str = "mean"
+    has_calibrated_scatter: bool = True
+    has_range_of_intervals: bool = False
+    may_be_equal: bool = False
+    is_compared: bool = True
+
+    def in_words(self, maps: int, parts: int) -> str:
+        """Return so many members, and of how many parts they are, in words.
+
+        Examples
+        --------
+        >>> MAPS.in_words(4, 2), PLACEMENTS.in_words(3, 1)
+        ('4 maps of 2 parts', '3 placements of two faces')
+        """
+        whole = self.whole or (f" of {counted_noun(parts, 'part')}" if parts < maps else "")
+        return counted_noun(maps, self.noun) + whole
+
+
+MAPS = Members()
+BODIES = Members(has_calibrated_scatter=False)  # the bank has periodic maps alone
+PLACEMENTS = Members(
+    noun="placement",
+    whole=" of two faces",
+    range_of="their intervals",
+    shared=(*SHARED, "window"),  # both faces, and with them the places where these were measured
+    interval="next_map",
+    has_calibrated_scatter=False,
+    has_range_of_intervals=True,
+    may_be_equal=True,  # on a smooth face
+    is_compared=False,
+)
+
+
+def members_of_group(*, placements: bool, finite: bool = False) -> Members:
+    """Return the record of maps that are `placements` of two faces, or `finite` bodies, or neither."""
+    return PLACEMENTS if placements else BODIES if finite else MAPS
