@@ -25,7 +25,7 @@ from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.kernels.fourier import wavevectors
 
 COARSEST = 64  # points along the longer side of the map that shows where the contact is
-COARSE_TOLERANCE = 0.03
+COARSE_TOLERANCE = 0.03  # of the coarse solution, which tells where the contact is and nothing else
 MARGIN, MIN_MARGIN = 0.04, 3  # of the region beside the contact, over its width; in points
 MIN_FORCE = 1e-15  # over E* times the longer side times the range of heights
 MAX_PASSES = 12  # regions; each is larger than the one before
@@ -106,6 +106,7 @@ class FreeBody:
     def solve(self, force: float, *, tolerance: float) -> FreeSolution:
         """Return the contact under a force (N)."""
         region, ratio = self._first_region(force)
+        # a bound of the cell times the ratio of the norms is that of the body
         cell_tolerance, steps, applications = tolerance / ratio, 0, 0.0
         for passes in range(1, MAX_PASSES + 1):
             solution = self._solve_region(region, force, tolerance=cell_tolerance)
@@ -133,6 +134,7 @@ class FreeBody:
                 keys=("force",),
             )
         shape = self._cell(heights.shape, region.reach)
+        # the unit length of the periodic problem: the root of the area of its cell
         unit = float(np.sqrt(shape[0] * dy * (shape[1] * dx)))
         mean_pressure, highest = force / unit**2, float(inside.max())
         low = inside.min() - DEPTH * (np.ptp(inside) + force / (self.softest * region.reach))
@@ -144,10 +146,12 @@ class FreeBody:
         of_cell = Elasticity(influence=kernel, hardness=hardness / mean_pressure)
         (solution,) = sweep(problem, [1.0], of_cell, tolerance=tolerance, threads=self.threads)
         state = solution.state
+        # the operators leave q = 0 out; in free space the mean has a value
         mean_displacement = state.offset + kernel.mean_displacement(shape, (dy / unit, dx / unit))
         approach = highest - problem.scale * mean_displacement
         pressure = np.zeros(self.heights.shape)
         pressure[region.sides] = state.pressure[:ny, :nx] * mean_pressure
+        # outside the region by the displacement of the pressure, inside it as it was certified
         gap = self._displacement(pressure, region.sides) - self.heights + approach
         gap[region.mask] = (state.gap[:ny, :nx] * problem.scale)[mask]
         energy = elastic_energy(pressure, self.spacing, self.elasticity)
@@ -163,9 +167,11 @@ class FreeBody:
         if factor == 1:
             return self._region(np.ones(self.heights.shape, bool), 0), 1.0
         ny, nx = self.heights.shape
+        # the last block may be incomplete: it repeats the border
         heights = np.pad(self.heights, [(0, -ny % factor), (0, -nx % factor)], mode="edge")
         blocks = heights.reshape(-(-ny // factor), factor, -1, factor).mean(axis=(1, 3))
         wide = self.spacing[0] * factor, self.spacing[1] * factor
+        # threads do not pay for so few points
         coarse = replace(self, heights=blocks, spacing=wide, threads=1)
         solution = coarse.solve(force, tolerance=COARSE_TOLERANCE)
         touching = (solution.pressure > 0).repeat(factor, axis=0).repeat(factor, axis=1)
@@ -178,6 +184,7 @@ class FreeBody:
         distance = np.hypot((y - y.mean()) * self.spacing[0], (x - x.mean()) * self.spacing[1])
         radius = float(distance[touching[sides]].max()) + margin * max(self.spacing)
         mask = np.zeros(touching.shape, bool)
+        # a disc, because the kernel is exact up to one distance in all directions
         mask[sides] = distance <= radius * (1 + MARGIN)
         return Region(sides, mask, 2 * float(distance[mask[sides]].max()))
 
@@ -188,6 +195,7 @@ class FreeBody:
         reach = float(np.hypot(*np.multiply(points, self.spacing)))
         shape, kernel = self._cell(points, reach), TruncatedKernel(reach, self.elasticity)
         symbol = kernel(*wavevectors(shape, self.spacing), self.spacing)
+        # the symbol is infinite there, for operators that leave the mean out
         symbol[0, 0] = kernel.mean_displacement(shape, self.spacing)
         in_cell = np.fft.irfft2(np.fft.rfft2(pressure[sides], shape) * symbol, shape)
         displacement = np.zeros(pressure.shape)
@@ -208,12 +216,14 @@ class FreeBody:
 
         # each offset between a loaded point and one of the map has its own element of the transform
         shape = tuple(
+            # even sides, as `transform_of_pixels` needs them
             2 * fft.next_fast_len(max(side.stop, n - side.start))
             for n, side in zip(pressure.shape, sides, strict=True)
         )
         with fft.set_workers(self.threads):
             symbol = transform_of_pixels(shape, self.spacing, medium=self.elasticity.medium)
             displacement = fft.irfft2(fft.rfft2(pressure[sides], shape) * symbol, shape)
+        # the transform counts from the first loaded point
         displacement = np.roll(displacement, [side.start for side in sides], (0, 1))
         return displacement[tuple(map(slice, pressure.shape))] / self.elasticity.modulus
 
@@ -222,6 +232,7 @@ class FreeBody:
         if not (pressure[[0, -1]].any() or pressure[:, [0, -1]].any()):
             return
         sides = [n * d for n, d in zip(pressure.shape, self.spacing, strict=True)]
+        # without a stated form: a parabola through the mean profile along each axis
         curvatures = [1 / radius for radius in radii] or [
             -2 * np.polyfit(np.linspace(-side, side, n) / 2, self.heights.mean(axis=1 - axis), 2)[0]
             for axis, (n, side) in enumerate(zip(pressure.shape, sides, strict=True))
@@ -231,6 +242,7 @@ class FreeBody:
         if min(curvatures) * max(sides) > 1e-9:  # a paraboloid fits
             radius = float(np.prod(curvatures) ** -0.5)
             contact_radius = (3 * force * radius / (4 * self.softest)) ** (1 / 3)
+            # a tenth wider than the contact, or than the map that was too small
             side = max(2.2 * contact_radius, 1.1 * min(sides))
             advice = (
                 f"a map of {side:.3g} m x {side:.3g} m would do (a ball of its mean radius of curvature, "

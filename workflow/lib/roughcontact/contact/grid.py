@@ -100,7 +100,7 @@ class Grid:
         elif max(lengths) >= LONG * min(lengths):
             self._passes = MAX_PASSES_OF_LONG, SMALL_REST_OF_LONG
         single = self.rounded_heights(SINGLE)
-        self._height_size = norm(single, single)
+        self._height_size = norm(single, single)  # a part of the scale of rounding (`State.size`)
 
     def evaluate(
         self, pressure: Array, *, former: State | None = None, out: Array | None = None
@@ -116,7 +116,7 @@ class Grid:
             self._single = None  # the copy is no longer needed
             heights, reference, unit = self._given, self._reference, self._unit
         separation = self.halfspace.displacement(pressure, out=out)
-        start = pressure, pressure, 0.0
+        start = pressure, pressure, 0.0  # without a former state the line to this one has no length
         if former is not None:
             start = former.pressure, former.separation, former.offset
         work, square, total, count, slope, slope_after = self.kernels.measure(
@@ -127,7 +127,7 @@ class Grid:
             pressure=pressure,
             separation=separation,
             offset=total / count if count else contact_mean(pressure, separation, cap=self.cap),
-            norm=float(np.sqrt(max(work, 0) / size)),
+            norm=float(np.sqrt(max(work, 0) / size)),  # rounding may turn a small energy negative
             size=float(np.sqrt(square / size)) + self._height_size,
             free_share=1.0 if self.cap == np.inf else max(count, 1) / size,
         )
@@ -204,7 +204,7 @@ class Grid:
         max_passes, small_share = self._passes
         for number in range(max_passes):
             if number > 0:
-                kernels.project(out, cap, removed_load, free, *cells)
+                kernels.project(out, cap, removed_load, free, *cells)  # the pass above has projected once
             interpolation.set_active(free, share_known=True)
             scratch = self.halfspace.scratch(get_precision(removed_load))
             outside, total = interpolation.redistribute(removed_load, out, cap, scratch)
@@ -296,6 +296,7 @@ class Grid:
         pitch, across = min(
             (d, w) for d, w, n in zip(pitches, (across_y, across_x), self.shape, strict=True) if n > 1
         )
+        # a single point is for the most part the shortest wave of the grid
         factor = float(self.halfspace.elasticity.medium.factor(np.array([np.pi / pitch]))[0])
         return weights, 0.5 * np.pi / pitch / (4 * across + 8 * diagonal) / factor
 
@@ -320,7 +321,7 @@ class Grid:
         factor = xp.clip(line_loads - at_cap, 0, None) / xp.where(
             free_load > 0, free_load, xp.ones_like(free_load)
         )
-        if float(xp.sum(factor * free_load)) > 0:
+        if float(xp.sum(factor * free_load)) > 0:  # all at the cap, or no load: there is nothing to scale
             pressure += free * xp.astype(factor - 1, pressure.dtype)
 
     def _line_sums(self, field: Array) -> Array:

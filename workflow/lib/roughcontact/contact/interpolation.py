@@ -88,6 +88,7 @@ class Interpolation:
                     line_gain=empty(like, precision, coarser.shape) if coarser.collapses_lines else None,
                 )
             )
+        # a grid of one cell has no axis with neighbours
         along = [axis for axis, cells in enumerate(like.shape) if cells > 1] or [0]
         sizes = np.array([min(p[axis] for axis in along) for p in (pitches, *(c.pitches for c in plan))])
         self._factors = _factors(medium, 1 / sizes[1:]).tolist()
@@ -105,8 +106,9 @@ class Interpolation:
             if bends and grid.line_gain is None:
                 grid.spares = [empty(like, precision, tuple(grid.work.shape)) for _ in range(2)]
         coarsest = plan[-1].shape if plan else tuple(like.shape)
-        self.sweeps = max(coarsest)
+        self.sweeps = max(coarsest)  # as many as cells along it, so that each cell hears of all others
         self._sweep_work = [empty(like, precision, coarsest) for _ in range(2)]
+        # the one call for all small grids knows neither lines nor cells that bend
         single_grids = has_separate_lines(plan) or self.bends
         self._small = None if single_grids else kernels.small_grids(self.grids, stores, bounds)
 
@@ -160,6 +162,7 @@ class Interpolation:
                 self.kernels.block_mean(finer, grid.factors, cell_share)
             share = xp.where(cell_share > 0, cell_share, xp.ones_like(cell_share))
             if grid.line_gain is None:
+                # the odds of contact against gap are multiplied by the factor
                 weight = factor * weight / (1 + (factor - 1) * weight)
                 grid.gain[...] = weight / share
                 grid.empty[...] = 1 - weight
@@ -319,6 +322,7 @@ def _factors(medium: Medium, q: np.ndarray) -> np.ndarray:
 def _power(medium: Medium, q: np.ndarray) -> np.ndarray:
     """Return the power of |q| with which the stiffness rises: 1 of a half-space, 4 of a plate."""
     step = 1.1
+    # stiffness goes as |q| over the factor; its power by a central difference over ln |q|
     power: np.ndarray = 1 - np.log(medium.factor(q * step) / medium.factor(q / step)) / (2 * np.log(step))
     return power
 

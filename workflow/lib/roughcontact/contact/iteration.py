@@ -67,7 +67,7 @@ def solve_on_grid(
     in units of g L, pressures of E* g.
     """
     iterate = Iterate(grid, start, mean_pressure, tolerance=tolerance, finish=finish)
-    del start
+    del start  # the iterate holds it, or a copy in another precision
     for step in range(max_steps + 1):
         iterate.measure(step)
         cannot_improve = (
@@ -77,7 +77,7 @@ def solve_on_grid(
             iterate.certify()
             if cannot_improve or iterate.bound <= tolerance:
                 break
-            iterate.measure_residual()
+            iterate.measure_residual()  # the certificate has overwritten it
         iterate.choose_precision()
         iterate.advance()
     return Solution(iterate.state, iterate.bound, step)
@@ -142,7 +142,7 @@ class Iterate:
 
     def certify(self) -> None:
         """Make the bound rigorous, for a state in the precision of the result; the residual is lost."""
-        if not self.is_in_final_precision():
+        if not self.is_in_final_precision():  # the bound has to be that of the pressure that is returned
             self.precision = self.finish
             self.state = self._rescaled_state(self.precision, self.state.pressure)
             self.measure_residual()
@@ -152,6 +152,7 @@ class Iterate:
 
     def choose_precision(self) -> None:
         """Choose the precision of the next step: that of the result if it is predicted to be the last."""
+        # the next step gains as much as the last one, at most the typical factor
         prediction = self.bound * min(1.0, max(TYPICAL, self.bound / self._bound_before))
         if PREDICTION_MARGIN * prediction <= self.tolerance or self.bound <= 30 * self._single_floor:
             self.precision = self.finish
@@ -161,9 +162,10 @@ class Iterate:
         grid, precision = self.grid, self.precision
         rises = precision != get_precision(self.state.pressure)
         if rises:
-            self._spare = None
+            self._spare = None  # arrays in single precision cannot hold the next state
         out = empty(self.state.pressure, precision) if self._spare is None else self._spare.pressure
         correction = grid.precondition(self.residual)
+        # a predicted residual is no measure of progress
         self._bound_before = self.bound if self.residual.certifies else np.inf
         del self.residual
         next_pressure = grid.advance(self.state, correction, self.length, self.mean_pressure, out)
@@ -177,6 +179,7 @@ class Iterate:
         if not line.descends:
             self._recover(trial, line)
             return
+        # the length that would have been best for this step is tried next
         self.length = min(LONGEST, max(SHORTEST, self.length * line.minimizer))
         self.state, self._spare = trial, self.state
 
@@ -192,6 +195,7 @@ class Iterate:
             return
         self.state = lower or self.state
         if lower is None or self._failures > 1:
+            # the more of them the more often a step has failed, at most 64
             for _ in range(2 ** min(1 + self._failures // 8, 6)):
                 self.state = projected_gradient_step(self.grid, self.state, self.mean_pressure) or self.state
 
@@ -222,6 +226,7 @@ def first_guess_on_grid(
             break
         correction = grid.precondition(residual)
         pressure = grid.advance(state, correction, FIRST_LENGTH, mean_pressure, empty(state.pressure, SINGLE))
+        # a last step that is so sure to suffice is not measured any more
         if PREDICTION_MARGIN * TYPICAL * bound <= tolerance:
             return pressure, step + 1
         bound_before = bound if residual.certifies else np.inf

@@ -21,7 +21,7 @@ class LineSearch:
     def minimizer(self) -> float:
         """The share t of the line at which the energy is least; it may lie beyond the end."""
         curvature = self.slope_after - self.slope
-        return -self.slope / curvature if curvature > 0 else np.inf
+        return -self.slope / curvature if curvature > 0 else np.inf  # a straight line falls without end
 
     @property
     def descends(self) -> bool:
@@ -40,6 +40,7 @@ def minimize_between(origin: State, target: State, line: LineSearch, *, cap: flo
     share = line.minimizer
     pressure = origin.pressure + share * (target.pressure - origin.pressure)
     separation = origin.separation + share * (target.separation - origin.separation)
+    # the square of the norm is a parabola along the line, whose curvature is that of the energy
     square = (1 - share) * origin.norm**2 + share * target.norm**2
     square -= share * (1 - share) * (line.slope_after - line.slope)
     return replace(

@@ -52,6 +52,7 @@ def plan_loads(
                 keys=["relative_pressure", "hardness"],
             )
         return loads
+    # elastomers do not flow plastically, so that their loads have no such end
     limit = MAX_HARDNESS * modulus if hardness is None and modulus >= RUBBER else math.inf
     relative_loads = planned_pressures(window.size, limit / (modulus * gradient))
     loads = [value * modulus * gradient for value in relative_loads]
@@ -84,16 +85,17 @@ def planned_pressures(points: int, limit: float) -> list[float]:
     """
 
     def area(pressure: float) -> float:
-        return math.erf(math.sqrt(2) * pressure)
+        return math.erf(math.sqrt(2) * pressure)  # Persson's theory of a random surface
 
     useful = [pressure for pressure in DEFAULT_PLAN if area(pressure) * points >= _USEFUL_POINTS]
     below_limit = [pressure for pressure in useful if pressure < limit * area(pressure)]
     if not below_limit:
-        return list(DEFAULT_PLAN)
+        return list(DEFAULT_PLAN)  # too few points, or too steep a map, for either limit: all of them
     if len(below_limit) == len(useful) or len(below_limit) >= _MIN_LOADS:
         return below_limit
     elastic = [float(p) for p in np.geomspace(below_limit[0], 1.0, 100) if p < limit * area(p)]
     finer = np.geomspace(below_limit[0], elastic[-1], _MIN_LOADS)
+    # two digits, as somebody would state them
     return list(dict.fromkeys(float(f"{pressure:.2g}") for pressure in finer))
 
 

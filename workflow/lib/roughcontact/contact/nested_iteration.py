@@ -32,7 +32,7 @@ def nested_heights(heights: Array, lengths: tuple[float, float]) -> list[tuple[F
         pitches = grid_pitches(heights.shape, lengths)
         divisors = DIVISORS if levels and has_square_cells(pitches, heights.shape) else FINEST_DIVISORS
         factors = whole_factors(pitches, heights.shape, divisors=divisors, smallest=COARSEST // 2)
-        if factors == (1, 1):
+        if factors == (1, 1):  # a prime number of cells: no coarser grid of whole ones
             break
         coarse = empty(heights, SINGLE, tuple(n // f for n, f in zip(heights.shape, factors, strict=True)))
         kernels_for(heights).block_mean(heights, factors, coarse)

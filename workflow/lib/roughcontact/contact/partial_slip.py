@@ -109,6 +109,7 @@ def partial_slip(
     rows = []
     total = energy(pressure)
     for share in shares:
+        # at full slip there is no lower load: no pressure, and the gap of the first touch
         lower, lower_gap, error = np.zeros_like(pressure), height.values.max() - height.values, 0.0
         if share < 1:
             partner = solve_contact(height, mean_pressure=load * (1 - share), **problem).isel(load=0)

@@ -76,9 +76,11 @@ def nondimensionalise(
     window = window if window.chunks is None else window.compute()  # of dask, read piece by piece
     labelled_heights, window = window.data, copy_to_host(window)
     steps = spacing(window)
+    # single-precision heights are not made larger where the solution is no better
     dtype = np.float32 if precision == SINGLE and window.dtype == np.float32 else np.float64
+    # the kernels in C need contiguous, aligned, writable memory
     heights = np.require(window.values, dtype=dtype, requirements=["C", "A", "W"])
-    if window.data is not labelled_heights:
+    if window.data is not labelled_heights:  # back to the device it came from, after checks on the host
         heights = like_array(heights, labelled_heights)
     if arrays is not None:
         heights = arrays(heights)
@@ -94,6 +96,7 @@ def nondimensionalise(
             f"heights of up to {heights_reach:g} m on pixels of {steps[1]:g} m x {steps[0]:g} m are beyond "
             "the computable range; check the units"
         )
+    # in double, because it is the unit of everything that follows
     gradient = spectral_gradient(as_precision(heights, DOUBLE, copy=False), steps, threads=threads)
     if highest > lowest and not SMALLEST <= gradient <= LARGEST:
         raise HeightMapError(

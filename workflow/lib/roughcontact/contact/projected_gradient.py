@@ -21,10 +21,10 @@ def projected_gradient_step(grid: Grid, state: State, mean_pressure: float) -> S
     gap, pressure = state.gap, state.pressure
     slope = xp.where(active_set(pressure, gap, grid.cap), gap, xp.zeros_like(gap))
     curvature = mean_product(slope, grid.halfspace.displacement(slope))
-    if curvature <= 0:
+    if curvature <= 0:  # no curvature is left but rounding
         return None
-    length = mean_product(slope, slope) / curvature
-    for _ in range(40):
+    length = mean_product(slope, slope) / curvature  # the minimum along the slope, if no bound interfered
+    for _ in range(40):  # down to 1e-12 of it, below which rounding decides
         next_pressure = project_to_load(pressure - length * gap, mean_pressure, cap=grid.cap)
         trial, line = grid.evaluate(next_pressure, former=state)
         lower = trial if line.descends else minimize_between(state, trial, line, cap=grid.cap)

@@ -67,7 +67,7 @@ def _response(
             "no point in contact is elastic: the response of an empty contact set has no meaning"
         )
     if touching.all():
-        return 0.0, 0.0
+        return 0.0, 0.0  # in full contact the gap cannot change
     ly, lx = (n * d for n, d in zip(contact.shape, spacing, strict=True))
     unit = float(np.sqrt(ly * lx))
     precision = SINGLE if tolerance >= MIN_SINGLE_TOLERANCE else DOUBLE
@@ -75,7 +75,7 @@ def _response(
     grid = Grid(zeros, (ly / unit, lx / unit), elasticity.scaled(unit), threads=threads)
 
     increment = contact.astype(precision)
-    increment *= 1 / float(contact.mean())
+    increment *= 1 / float(contact.mean())  # a load of mean 1 on the contact alone
     residual = grid.halfspace.displacement(increment)
     del increment
     residual *= contact

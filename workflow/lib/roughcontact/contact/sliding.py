@@ -79,6 +79,7 @@ def sliding_contact(
         return _symbols(shape, (sides[0] / shape[0], sides[1] / shape[1]), compliance, velocity)
 
     symbol, loss = symbols(heights.shape)
+    # any unit would do: that of a typical wave keeps the numbers near 1
     modulus = float(2 / np.median((wavenumbers(heights.shape, problem.spacing) * abs(symbol)).ravel()[1:]))
 
     def elastic(part: Callable[[np.ndarray], np.ndarray]) -> Elasticity:
@@ -163,7 +164,7 @@ def _symbols(
 
     def waves(qy: np.ndarray, qx: np.ndarray) -> np.ndarray:
         length = np.hypot(qy, qx)
-        length[length == 0] = np.inf
+        length[length == 0] = np.inf  # the mean, which is displaced by a rule of its own
         frequency = velocity[0] * qx + velocity[1] * qy
         symbol = 2 * compliance(frequency) / length
         return np.stack([symbol, -frequency / speed * symbol.imag])
@@ -172,6 +173,7 @@ def _symbols(
         values = waves(qy, qx)
         if shape[0] % 2 == 0:
             row = shape[0] // 2
+            # the wave at the Nyquist limit stands for both signs of its frequency
             values[:, row] = (values[:, row] + waves(-qy[row : row + 1], qx)[:, 0]) / 2
         return values
 

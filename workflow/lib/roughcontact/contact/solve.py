@@ -206,6 +206,7 @@ def solve_contact(
         raise SettingsError(
             f"reduce = {reduce!r}: give a function of a Dataset, such as roughcontact.contact_statistics"
         )
+    # rising, as the methods expect them; the result has the order of the argument
     order = np.argsort(loads, kind="stable")
     rising = [loads[index] for index in order]
     working = DOUBLE if precision == "double" else SINGLE
@@ -264,12 +265,12 @@ def elasticity(
         if contact_modulus is None:
             raise SettingsError("neither contact_modulus nor bodies given; give one of them")
         modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
-        return Elasticity(modulus, influence, hardness=limit)
+        return Elasticity(modulus, influence, hardness=limit)  # E* alone says nothing of layers
     pair = check_bodies(bodies)
     modulus = modulus_of(pair)
     if contact_modulus is not None:
         stated_modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
-        if not math.isclose(stated_modulus, modulus, rel_tol=1e-6):
+        if not math.isclose(stated_modulus, modulus, rel_tol=1e-6):  # as exactly as somebody would write it
             raise SettingsError(
                 f"contact_modulus = {stated_modulus:g} Pa, but that of the bodies' surfaces is {modulus:g} "
                 "Pa; give one of them",
@@ -289,6 +290,8 @@ def periodic_solutions(
     **options: Any,
 ) -> Iterator[tuple[FieldsInUnits, Any, float]]:
     """Yield fields, solution and approach (m) of each of the rising loads (Pa) of a periodic map."""
+    # what the mean pressure displaces, which no operator includes (m/Pa): by the rule for the bases, and
+    # layers
     compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres)
     compliance /= material.medium.base_modulus(material.modulus)
     compliance += material.medium.mean_compliance(elastic=zero_frequency != "zero")

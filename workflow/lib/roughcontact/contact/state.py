@@ -43,7 +43,7 @@ def contact_mean(pressure: Array, separation: Array, *, cap: float) -> float:
         return mean(separation[free])
     full = pressure >= cap
     if xp.all(full):
-        return float(xp.max(separation))
+        return float(xp.max(separation))  # at the cap the gap is nowhere positive
     # all points in contact are at the cap: any offset between theirs and the others is valid
     return 0.5 * (float(xp.max(separation[full])) + float(xp.min(separation[~full])))
 
@@ -74,7 +74,7 @@ def scale_to_load(
     if mean_pressure >= cap:
         raise ValueError(f"a mean pressure of {mean_pressure:g} cannot be carried below the cap {cap:g}")
     at_cap = pressure >= cap
-    rounding = 4 * float(xp.finfo(positive.dtype).eps) * total
+    rounding = 4 * float(xp.finfo(positive.dtype).eps) * total  # of the sum of the pressures
     if total < cap * int(xp.count_nonzero(at_cap)) - rounding:
         at_cap = pressure > np.inf  # nowhere: they carry more than the load, so all are scaled down
     while True:
@@ -89,7 +89,7 @@ def scale_to_load(
         above_cap = (rescaled > cap) & ~at_cap
         if free_load == 0 or not xp.any(above_cap):
             return xp.where(at_cap, xp.full_like(positive, cap), rescaled)
-        at_cap |= above_cap
+        at_cap |= above_cap  # grows in every pass, so that the loop ends
 
 
 def scale_below_cap(pressure: Array, mean_pressure: float, cap: float) -> float:
@@ -112,6 +112,7 @@ def project_to_load(pressure: Array, mean_pressure: float, *, cap: float) -> Arr
     point comes to a bound: steps of Newton and of bisection, in turns, find it to the last digit.
     """
     xp = namespace(pressure)
+    # between these shifts the mean of the projection passes the prescribed one
     low, high = float(xp.min(pressure)) - mean_pressure, float(xp.max(pressure))
     low -= cap if cap < np.inf else 0.0
     rounding_floor = float(xp.finfo(pressure.dtype).eps) * mean_pressure
@@ -124,6 +125,7 @@ def project_to_load(pressure: Array, mean_pressure: float, *, cap: float) -> Arr
         if abs(excess) <= rounding_floor or not low < middle < high:
             return projection
         free_points = int(xp.count_nonzero((projection > 0) & (projection < cap)))
+        # Newton's step is exact once the free points are right; bisection in turns keeps it from circling
         newton = shift + excess * n_elements(pressure) / max(free_points, 1)
         by_newton = not by_newton
         shift = newton if by_newton and low < newton < high else middle

@@ -44,6 +44,7 @@ def sweep(
         return
     make_grid = partial(Grid, lengths=problem.lengths, elasticity=elasticity, threads=threads)
     finest = make_grid(problem.heights, reference=problem.reference, unit=problem.scale)
+    # a start makes coarser grids superfluous
     levels = [] if start is not None else nested_heights(finest.rounded_heights(SINGLE), problem.lengths)
     grids = [finest, *(make_grid(heights) for _, heights in levels)]
     factors = [factors for factors, _ in levels]
@@ -99,11 +100,12 @@ def _full_contact(grids: Sequence[Grid], load: float, coarse: Array) -> tuple[Ar
     for grid in reversed(grids if load < LARGE_LOAD else grids[1:]):
         if grid is not grids[-1]:
             coarse = grid.halfspace.pressure(grid.rounded_heights(SINGLE))
+        # block means smooth the lowest pressure: gaps that a coarser map keeps are open in the finer one, too
         if load < -0.99 * float(xp.min(coarse)):
             return None, np.inf
     fluctuation = grids[0].halfspace.pressure(grids[0].rounded_heights(DOUBLE))
     lowest, highest = float(xp.min(fluctuation)), float(xp.max(fluctuation))
-    if load + highest > grids[0].cap:
+    if load + highest > grids[0].cap:  # some points would yield: no closed form
         return None, np.inf
     # A load that closes the last gap exactly is full contact, whatever its rounding.
     return fluctuation, -lowest - 1e-13 * (highest - lowest)

@@ -44,6 +44,7 @@ def hertz_ellipse(force: float, radii: Sequence[float], contact_modulus: float) 
         k, e = ellipkm1(argument), ellipe(1 - argument)
         return float(np.log((e / argument - k) / (k - e)) - np.log(larger / smaller))
 
+    # from the slimmest ellipse that a double holds to nearly a circle
     square = np.exp(brentq(excess, -690, -1e-9, xtol=1e-15))
     m, k, e = 1 - square, float(ellipkm1(square)), float(ellipe(1 - square))
     # 1/(2 R) of the larger radius is p0 b (K - E)/(E* m a²), with p0 = 3 F/(2 pi a b)

@@ -33,6 +33,6 @@ def conforming_energy(
     total = 0.0
     for q2, weight in each_wave(power, height.shape, steps):
         q = np.sqrt(q2)
-        q /= elasticity.medium.factor(np.where(q > 0, q, 1.0))
+        q /= elasticity.medium.factor(np.where(q > 0, q, 1.0))  # any factor for the mean, whose q is zero
         total += float((q * weight).sum())
     return total * elasticity.modulus / 4

@@ -9,6 +9,7 @@ _NODES = 16  # of Gauss and Legendre, on panels of at most so many radians
 def smooth_fade(distance: np.ndarray, outer_radius: float) -> np.ndarray:
     """Return the polynomial that is 1 up to the distance 1 and 0 beyond the end, smooth between them."""
     fraction = np.clip((distance - 1) / (outer_radius - 1), 0, 1)
+    # two derivatives vanish at both ends, so that its transform falls fast
     return np.asarray(1 - fraction**3 * (10 - 15 * fraction + 6 * fraction**2))
 
 

@@ -33,7 +33,7 @@ class TruncatedKernel:
     def __call__(self, qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
         """Return the symbol; infinite at q = 0, whose displacement `mean_displacement` is."""
         q: np.ndarray = np.hypot(qy.astype(float), qx.astype(float))
-        q[0, 0] = q.max()
+        q[0, 0] = q.max()  # any value: that of q = 0 is replaced below
         symbol = self._response.symbol(q, spacing)
         symbol[0, 0] = np.inf
         return symbol.astype(np.result_type(qy, qx))
@@ -65,11 +65,13 @@ class _PointForces:
 
     def symbol(self, q: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
         """Return 2/|q| times a factor of |q| reach."""
+        # a power of two, so that many grids share a table
         last = 2.0 ** np.ceil(np.log2(q.max() * self.reach))
         return np.asarray(2 / q * _cut_off(float(last))(q * self.reach))
 
     def mean(self, shape: tuple[int, int], spacing: tuple[float, float]) -> float:
         """Return the limit of the symbol for q to 0."""
+        # twice the integral of the fade, linear from the reach to FADE times it
         return (1 + FADE) * self.reach
 
 
@@ -106,6 +108,7 @@ def transform_of_pixels(
     response = love(distance.shape, spacing) * np.clip((FADE - distance / reach) / (FADE - 1), 0, 1)
     response += medium.change_of_point_force(distance) * spacing[0] * spacing[1]
     rows = np.arange(shape[0])
+    # row n - k is row k of an even function
     return np.asarray(fft.dctn(response, type=1)[np.minimum(rows, shape[0] - rows)])
 
 

@@ -53,6 +53,7 @@ class HalfSpace:
         self.shape, self.lengths = shape, lengths
         self.threads = threads
         self.applications = 0.0
+        # says shape and library, without memory
         self._like = np.broadcast_to(np.float32(0), self.shape) if like is None else like
         self.elasticity = elasticity
         self._kernels = kernels_for(self._like, threads=threads)
@@ -160,6 +161,7 @@ def zero_frequency_compliance(rule: ZeroFrequency, *, lengths: tuple[float, floa
         return 0.0
     if rule == "nogi-kato":
         a, b = math.pi / lx, math.pi / ly
+        # 2/|q| integrated over the rectangle of q = 0 in the plane of waves, over its area
         return lx * ly / (4 * math.pi**2) * 8 * (a * math.asinh(b / a) + b * math.asinh(a / b))
     if not math.isclose(lx, ly, rel_tol=1e-6):
         raise SettingsError(

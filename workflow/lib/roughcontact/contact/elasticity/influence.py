@@ -91,6 +91,7 @@ def _half_space_aliases(aspect: float) -> "RectBivariateSpline":
 def _departing_aliases(aspect: float, medium: Medium) -> "RectBivariateSpline":
     """Return what a medium adds to `_half_space_aliases`."""
     finer, coarser = min(1.0, 1 / aspect), max(1.0, 1 / aspect)
+    # from just below the nearest alias to beyond the farthest
     q: np.ndarray = np.geomspace(0.9 * np.pi * finer, 3 * np.pi * _IMAGES * coarser, 2 * _NODES**2)
     change = medium.factor(q) - 1
     significant = np.flatnonzero(np.abs(change) > _SMALL)

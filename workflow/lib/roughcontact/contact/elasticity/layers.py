@@ -75,7 +75,7 @@ class Stack(NamedTuple):
             Layer(sum(layer.thickness for layer in equal_layers), material)
             for material, equal_layers in groupby(self.layers, key=attrgetter("material"))
         ]
-        if layers and layers[-1].material == self.base:
+        if layers and layers[-1].material == self.base:  # a layer of the material of its base is part of it
             layers.pop()
         return Stack(tuple(layers), self.base)
 
@@ -95,6 +95,7 @@ class LayeredPair(Medium):
     @property
     def largest_factor(self) -> float:
         """The largest `factor`, at least 1."""
+        # from waves far longer than the layers to far shorter ones: beyond them the factor has its limits
         return max(1.0, float(self.factor(np.geomspace(1e-3 / self.thickest, 1e2 / self.thinnest, 64)).max()))
 
     @property

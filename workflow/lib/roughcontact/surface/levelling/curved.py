@@ -44,12 +44,14 @@ def fit_curved_form(
     start_form, start = fit_polynomial(values, coordinates, order=2, robust=robust)
     reference = start["mean"]["value"]
     rows, columns = np.nonzero(is_measured)
+    # in half the longer side, so that all parameters are of order one
     points = (
         (y[rows] - middle_y) / half,
         (x[columns] - middle_x) / half,
         (values[is_measured] - reference) / half,
     )
     parameters = _start(start, start_form, reference, half, shape)
+    # a first fit to some points, the same in every run, saves most steps on all of them
     if points[0].size > 2 * _START_POINTS:
         start_points = np.random.default_rng(0).choice(points[0].size, _START_POINTS, replace=False)
         parameters = _least_squares(parameters, [c[start_points] for c in points], robust=robust)
@@ -93,6 +95,7 @@ def _surface(
     c = k * (x**2 + y**2 - along**2) + 2 * (a * x + b * y)
     minus_half_b = 1 + k * along * dz
     discriminant = minus_half_b**2 - k * (1 - dz**2) * c
+    # this form of the root has no cancellation, down to a plane (k = 0)
     return z0 + c / (minus_half_b + np.sqrt(np.maximum(discriminant, 0.0))), discriminant >= 0
 
 
@@ -110,7 +113,7 @@ def _start(
         inverse_radii = [c for c, n in zip((hessian[1, 1], hessian[0, 0]), form.shape, strict=True) if n > 1]
         return np.array([z0, *slopes, half * np.mean(inverse_radii)])
     strongest = int(np.argmax(np.abs(curvatures)))
-    along = directions[:, 1 - strongest]
+    along = directions[:, 1 - strongest]  # the axis lies across the strongest curvature
     return np.array([z0, *slopes, half * curvatures[strongest], np.arctan2(along[1], along[0])])
 
 
@@ -131,7 +134,9 @@ def _least_squares(parameters: np.ndarray, points: Sequence[np.ndarray], *, robu
         size = np.sqrt(np.diag(matrix))
         size = np.maximum(size, 1e-12 * size.max())  # parameters without influence do not change
         cost = np.sum(weights * residual**2)
+        # Levenberg and Marquardt: more damping until a step lowers the cost
         for _ in range(12):
+            # with a diagonal of 1: lengths, slopes and angles have unlike sizes
             damped_matrix = matrix / np.outer(size, size) + damping * np.eye(len(size))
             step = np.linalg.lstsq(damped_matrix, rhs / size, rcond=1e-14)[0] / size
             step[4:] = np.clip(step[4:], -_MAX_ROTATION, _MAX_ROTATION)
@@ -192,6 +197,7 @@ def _record(
         "middle_y": (middle[0], "m"),
     }
     if azimuth:
+        # an axis has no sense of direction: within 90 degrees of x
         angle = (azimuth[0] + np.pi / 2) % np.pi - np.pi / 2
         rise = a * np.cos(angle) + b * np.sin(angle)
         quantity["axis_azimuth"] = (np.rad2deg(angle), "degree")

@@ -24,7 +24,7 @@ def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         open_to_border[labels[[0, -1]]] = True
     if missing.shape[1] > 1:
         open_to_border[labels[:, [0, -1]]] = True
-    open_to_border[0] = True
+    open_to_border[0] = True  # label 0 is what was measured
     labels = np.where(open_to_border, 0, np.cumsum(~open_to_border)).astype(labels.dtype)[labels]
     return labels, np.bincount(labels.ravel(), minlength=1)[1:]
 
@@ -63,7 +63,7 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
         subarray[mask] = _solve_wide(subarray, mask, (wy, wx))
     result *= scale
     result += offset
-    np.copyto(result, values, where=~inside)
+    np.copyto(result, values, where=~inside)  # measured heights come back without rounding
     return result
 
 
@@ -106,6 +106,7 @@ def _solve_narrow(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]
     matrix = (upper + upper.T + sparse.diags_array(np.full(count, 2 * (wy + wx)))).tocsr()
     rhs = _right_hand_side(values, mask, weights)
     solution, status = linalg.cg(matrix, rhs, rtol=_TOLERANCE, maxiter=2000)
+    # where the iteration does not converge, at the price of memory
     return linalg.spsolve(matrix.tocsc(), rhs) if status else solution
 
 
@@ -118,6 +119,7 @@ def _solve_wide(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) 
     box = mask[1:-1, 1:-1]
     # a larger box is as good: take one with a fast transform
     ny, nx = (next_fast_len(n + 1, real=True) - 1 for n in box.shape)
+    # eigenvalues of the five-point Laplace operator under a sine transform
     symbol = (
         4 * wy * np.sin(np.pi * np.arange(1, ny + 1) / (2 * ny + 2))[:, None] ** 2
         + 4 * wx * np.sin(np.pi * np.arange(1, nx + 1) / (2 * nx + 2))[None, :] ** 2

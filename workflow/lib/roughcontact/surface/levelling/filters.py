@@ -22,6 +22,7 @@ def gaussian_mean_surface(values: np.ndarray, spacing: Sequence[float], nesting_
     """
     is_measured = ~np.isnan(values)
     offset = float(values[is_measured].mean())
+    # a large mean height would take the digits of the waves
     heights = np.where(is_measured, values - offset, 0.0)
     kernels = [_kernels(n, d, nesting_index) for n, d in zip(values.shape, spacing, strict=True)]
     if is_measured.all():
@@ -33,6 +34,7 @@ def gaussian_mean_surface(values: np.ndarray, spacing: Sequence[float], nesting_
         moment = {(j, i): along[0][j][:, None] * along[1][i][None, :] for j, i in _MOMENTS}
     else:
         moment = _moments(is_measured.astype(float), kernels, _MOMENTS)
+    # of the heights the mean and both first moments suffice for a local plane
     of_heights = _moments(heights, kernels, _MOMENTS[:3])
 
     weight = np.where(is_measured, moment[0, 0], 1.0)

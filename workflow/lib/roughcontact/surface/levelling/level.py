@@ -142,12 +142,14 @@ def level(
         rejected_heights -= surface[is_rejected]
         values = subtract_form(values, surface)
         del surface
+    # the heights that rejected points would have, for the load that they would carry
     if rejected_heights.size and (s_filter or l_filter):
         restored_heights = values.copy()
         restored_heights[is_rejected] = rejected_heights
         rejected_heights = _filter(restored_heights, step, nesting_indices)[0][is_rejected]
         del restored_heights
     values, filters = _filter(values, step, nesting_indices)
+    # before holes are filled: of measured points alone
     parameters = height_parameters(height.copy(data=values))
 
     labels, sizes = find_holes(missing)
@@ -287,6 +289,7 @@ def _filter(
     for name, index in nesting_indices.items():
         if index is None:
             continue
+        # a profile has a pitch across its length, too, which means nothing
         pixels = 2 * max(d for n, d in zip(values.shape, step, strict=True) if n > 1)
         if name == "l_filter" and index < pixels:
             raise HeightMapError(

@@ -73,11 +73,11 @@ def _sentinels(values: np.ndarray) -> np.ndarray:
             remaining = sign * values[~result & ~np.isnan(values)]
             extreme = remaining.min()
             remaining = remaining[remaining > extreme]
-            sentinel = values == sign * extreme
+            sentinel = values == sign * extreme  # one value, at however many points
             if (
                 remaining.size
                 and remaining.min() - extreme > np.ptp(remaining) > 0
-                and sentinel.sum() <= values.size / 3
+                and sentinel.sum() <= values.size / 3  # more of one value is a plateau of the surface
             ):
                 result |= sentinel
                 searching = True
@@ -104,6 +104,7 @@ def _dead_rows(values: np.ndarray) -> np.ndarray:
     # if all lines are constant, the surface is flat or has an exact lay
     if not constant.any() or alive.size < rows.size / 2:
         return result
+    # a dead line is farther from its neighbours than lines usually are
     usual = _median_distance(values[alive[1:]], values[alive[:-1]])
     usual = np.median(usual[~np.isnan(usual)])
     for row in np.nonzero(constant)[0]:
@@ -139,7 +140,7 @@ def _spikes(values: np.ndarray, rejections: np.ndarray, threshold: float, *, bum
     residual = _subtract_tilt(_mask_rejected(values, rejections))
     missing = np.isnan(residual)
     heights = residual[~missing]
-    floor = 1e-12 * np.ptp(heights)
+    floor = 1e-12 * np.ptp(heights)  # heights that differ by rounding alone are no spikes
     heights -= np.median(heights)
     global_scale = robust_scale(heights, overwrite=True)
     del heights
@@ -319,6 +320,7 @@ def _ring(
         index = where[block, None, :] + offsets[None, :, :] + np.asarray(ring_half_widths)
         ring = field[index[..., 0], index[..., 1]]
         deviation = np.abs(ring - np.median(ring, axis=1, keepdims=True))
+        # 90 % of a normal distribution lie within 1.645 standard deviations, which a few spikes do not change
         spread[block] = np.quantile(deviation, 0.9, axis=1) / 1.645
         coverage[block] = is_reference[index[..., 0], index[..., 1]].mean(axis=1)
     return spread, coverage

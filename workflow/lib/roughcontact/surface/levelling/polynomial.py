@@ -26,6 +26,7 @@ def fit_polynomial(
     16610-31:2016.
     """
     is_measured = ~np.isnan(values)
+    # subtracted first, so that a map far from zero keeps its digits
     reference = float(np.median(values[is_measured], overwrite_input=True))
     heights = values - reference
     heights[~is_measured] = 0.0
@@ -119,6 +120,7 @@ class _Axis:
         coordinate = np.asarray(coordinate, dtype=float)
         self.order = order
         self.middle = (coordinate[0] + coordinate[-1]) / 2
+        # 1 for a single line
         self.half = (coordinate[-1] - coordinate[0]) / 2 or 1.0
         self.basis = legendre.legvander((coordinate - self.middle) / self.half, order)  # (n, order + 1)
         # all products P_a P_b, for the normal equations
@@ -169,6 +171,7 @@ def _fit_robust(
             [axis.thinned(stride) for axis in axes],
             terms,
         )
+        # so near the solution the biweight needs no start by absolute values
         return _reweight(heights, is_measured, axes, terms, start, least_absolute=False)
     start = _fit_weighted(heights, is_measured.astype(float), axes, terms)
     return _reweight(heights, is_measured, axes, terms, start, least_absolute=True)
@@ -192,6 +195,7 @@ def _reweight(
         if not scale > negligible:
             return coefficients  # more than half of the points lie on the form
         if least_absolute:
+            # least absolute values; the limit keeps points on the form from an infinite weight
             weights = 1 / np.maximum(np.abs(residual), 1e-3 * scale)
         else:
             weights = biweight(residual, scale)
