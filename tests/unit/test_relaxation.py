@@ -4,6 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from roughcontact.arguments.bodies import relaxation_table
+from roughcontact.arguments.named_materials import compound, compound_names, modulus_of_hardness
 from roughcontact.arguments.relaxation import MAX_MISFIT, read_relaxation, relaxation_of
 from roughcontact.errors import SettingsError
 
@@ -61,6 +63,55 @@ def test_the_shift_is_that_of_williams_landel_and_ferry():
     np.testing.assert_allclose(warm.contact_modulus(omega), cold.contact_modulus(omega * factor))
 
 
+@pytest.mark.parametrize("name", compound_names())
+def test_a_named_rubber_is_a_causal_material_within_the_range_of_its_data(name):
+    rubber = relaxation_of(name)
+    assert min(rubber.long_time_modulus, *rubber.moduli) > 0
+    np.testing.assert_allclose(np.diff(np.log10(rubber.times)), 1, atol=1e-12)
+    low, high = rubber.frequencies
+    assert 0.05 / high < rubber.times[0] < rubber.times[-1] < 10 / low
+    assert 0 < rubber.misfit < MAX_MISFIT
+    loss = rubber.contact_modulus(np.geomspace(low, high, 50))
+    assert (loss.imag > 0.05 * loss.real).all()
+    assert (
+        relaxation_table([{"relaxation": name}]) == relaxation_table([{"relaxation": {"table": name}}]) == ""
+    )
+
+
+def test_a_named_rubber_has_the_moduli_of_its_source():
+    """Rows of the files at 25 °C (E = 3 G), and of -20.2 and -62 °C by the shifts of Catsiff and Tobolsky.
+
+    Their tension of 0.1 Pa and hours is that at 25 °C by the ratio of the absolute temperatures.
+    """
+    frequency, storage, loss = np.transpose(
+        [(0.0139, 3.065e6, 3.789e5), (1, 4.262e6, 5.015e5), (10, 5.152e6, 5.762e5), (100, 5.739e6, 7.501e5)]
+    )
+    rubber = relaxation_of("EPDM-70")
+    young = rubber.contact_modulus(2 * np.pi * frequency) * 0.75
+    np.testing.assert_allclose(young.real, 3 * storage, rtol=rubber.misfit)
+    np.testing.assert_allclose(young.imag, 3 * loss, rtol=2 * rubber.misfit)
+    # its hardness is measured within seconds, and has an error of five degrees
+    soft, hard = (modulus_of_hardness(degrees) for degrees in (65, 75))
+    assert soft < rubber.at_rest() < 1.1 * hard
+    polymer = relaxation_of("PIB")
+    for kelvin, hours, shift, stress in [(252.8, 0.00627, 2.34, 7.269e6), (211.0, 0.00906, 7.06, 2.077e8)]:
+        time = 3600 * hours / 10**shift
+        relaxed = polymer.long_time_modulus + polymer.moduli @ np.exp(-time / polymer.times)
+        assert relaxed == pytest.approx(0.1 * stress * 298 / kelvin, rel=0.12)
+    glass = polymer.contact_modulus(np.array(polymer.frequencies[1])).real * 0.75
+    assert glass == pytest.approx(0.1 * 10**10.48, rel=0.15)
+
+
+def test_a_named_rubber_at_another_temperature():
+    cool, warm = relaxation_of({"table": "PIB", "temperature": 0.0}), relaxation_of("polyisobutylene")
+    factor = 10 ** (5.96 * 25 / (159.7 - 25))
+    np.testing.assert_allclose(cool.times, factor * warm.times)
+    np.testing.assert_allclose(cool.frequencies, np.array(warm.frequencies) / factor)
+    with pytest.raises(SettingsError, match="another temperature needs wlf"):
+        relaxation_of({"table": "EPDM-70", "temperature": 0.0})
+    assert compound("EPDM 70 Shore A") == compound("epdm-70") != compound("dma.csv") == {}
+
+
 @pytest.mark.parametrize(
     ("relaxation", "text"),
     [
@@ -72,7 +123,7 @@ def test_the_shift_is_that_of_williams_landel_and_ferry():
             "110 K below its reference",
         ),
         (SERIES | {"tau": [1.0]}, "relaxation.tau: unknown"),
-        ("nowhere.csv", "relaxation = nowhere.csv: not read"),
+        ("nowhere.csv", "relaxation = nowhere.csv: not read as a table: .*; by name there are EPDM-70, poly"),
         (pd.DataFrame({"f": [1.0], "E'": [1e6]}), "no column 'loss_modulus'"),
         (pd.DataFrame({"f": [1.0], "E' (MPA)": [1.0], "E''": [1.0]}), "unit 'MPA'"),
         (table().head(2), "2 rows of numbers"),

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from roughcontact.arguments.checking import check_positive
-from roughcontact.arguments.named_materials import named_bodies
+from roughcontact.arguments.named_materials import compound, named_bodies
 from roughcontact.arguments.stacks import layers_in
 from roughcontact.errors import SettingsError
 
@@ -23,7 +23,7 @@ def relaxing_body(bodies: Sequence[Mapping[str, Any]] | None) -> Mapping[str, An
 
 
 def relaxation_table(bodies: Sequence[Mapping[str, Any]] | None) -> str:
-    """Return the path of the table that states the relaxation of a body; empty without one.
+    """Return the path of the table that states the relaxation of a body; empty without one, and for a name.
 
     Examples
     --------
@@ -31,7 +31,8 @@ def relaxation_table(bodies: Sequence[Mapping[str, Any]] | None) -> str:
     ('dma.csv', '')
     """
     stated = relaxing_body(bodies).get("relaxation", "")
-    return stated.get("table", "") if isinstance(stated, Mapping) else stated
+    table = stated.get("table", "") if isinstance(stated, Mapping) else stated
+    return "" if compound(table) else table
 
 
 def check_bodies(bodies: Sequence[str | Mapping[str, Any]], *, where: str = "bodies") -> list[dict[str, Any]]:

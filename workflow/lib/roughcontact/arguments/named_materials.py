@@ -148,6 +148,25 @@ def material_names() -> list[str]:
     return [row["name"] for row in _table()]
 
 
+def compound(name: Any) -> dict[str, Any]:
+    """Return the relaxation of a rubber by its name, empty where `compounds.tsv` has none of this name.
+
+    Examples
+    --------
+    >>> compound("PIB")["reference_temperature"], compound("dma.csv")
+    (25.0, {})
+    """
+    row = _names("compounds.tsv").get(_plain(name), {}) if isinstance(name, str) else {}
+    cells = {key: text for key, text in row.items() if key not in ("name", "aliases", "source") and text}
+    numbers = {key: [*map(float, text.split())] for key, text in cells.items()}
+    return {key: values if len(values) > 1 else values[0] for key, values in numbers.items()}
+
+
+def compound_names() -> list[str]:
+    """Return the names of the rubbers whose relaxation is in `compounds.tsv`."""
+    return [row["name"] for row in _table("compounds.tsv")]
+
+
 def modulus_of_hardness(shore_a: float) -> float:
     """Return Young's modulus (Pa) of an elastomer by its hardness in Shore A, from 20 to 95.
 
@@ -213,9 +232,9 @@ def _row(name: str) -> dict[str, str]:
     )
 
 
-def _names() -> dict[str, dict[str, str]]:
-    """Return the rows of the table by all names of the materials, as `_plain` writes them."""
-    rows = {_plain(alias): row for row in _table() for alias in (row["name"], *row["aliases"].split(","))}
+def _names(file: str = "materials.tsv") -> dict[str, dict[str, str]]:
+    """Return the rows of a table by all names of the materials, as `_plain` writes them."""
+    rows = {_plain(alias): row for row in _table(file) for alias in (row["name"], *row["aliases"].split(","))}
     rows.pop("", None)  # of a material without another name
     return rows
 
@@ -226,8 +245,8 @@ def _plain(name: str) -> str:
 
 
 @cache
-def _table() -> list[dict[str, str]]:
-    """Return the rows of `materials.tsv` by the words of its heading."""
-    text = resources.files("roughcontact.arguments").joinpath("materials.tsv").read_text(encoding="utf-8")
+def _table(file: str = "materials.tsv") -> list[dict[str, str]]:
+    """Return the rows of a table by the words of its heading."""
+    text = resources.files("roughcontact.arguments").joinpath(file).read_text(encoding="utf-8")
     heading, *lines = (line.split("\t") for line in text.splitlines() if not line.startswith("#"))
     return [dict(zip(heading, line, strict=True)) for line in lines]

@@ -18,6 +18,7 @@ import scipy
 
 from roughcontact.arguments.bodies import check_poissons_ratio
 from roughcontact.arguments.checking import check_positive
+from roughcontact.arguments.named_materials import compound, compound_names
 from roughcontact.arguments.si import convert_quantity
 from roughcontact.arguments.units import unit_factor, unknown_unit
 from roughcontact.errors import SettingsError
@@ -91,7 +92,7 @@ class Relaxation:
 
 
 def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> Relaxation:
-    """Return the relaxation that a table (path or DataFrame) or a mapping states.
+    """Return the relaxation that a name, a table (path or DataFrame) or a mapping states.
 
     Examples
     --------
@@ -107,8 +108,12 @@ def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> R
             "series, or the table of a DMA; for another temperature wlf, reference_temperature, temperature",
             keys=["relaxation"],
         )
-    series = _fitted(stated["table"], ratio) if "table" in stated else _series(stated, ratio)
-    factor = _shift(stated)
+    named = compound(stated.get("table"))
+    if "table" in stated and not named:
+        series = _fitted(stated["table"], ratio)
+    else:
+        series = _series(named or stated, ratio)
+    factor = _shift(named | stated if "temperature" in stated else stated)
     low, high = series.frequencies
     return Relaxation(
         series.long_time_modulus,
@@ -155,7 +160,9 @@ def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
             table = pd.read_csv(table, sep=None, engine="python", comment="#", encoding="utf-8-sig")
         except (OSError, ValueError) as error:
             raise SettingsError(
-                f"relaxation = {name}: not read as a table: {error}", keys=["relaxation"]
+                f"relaxation = {name}: not read as a table: {error}; by name there are "
+                + ", ".join(compound_names()),
+                keys=["relaxation"],
             ) from None
     columns: dict[str, pd.Series] = {}
     for heading in table.columns:
@@ -213,7 +220,7 @@ def _fitted(table: str | Path | pd.DataFrame, ratio: float) -> Relaxation:
 
 
 def _series(stated: Mapping[str, Any], ratio: float) -> Relaxation:
-    """Return a stated Prony series."""
+    """Return a Prony series that is stated, or of the table of compounds, with the range of its data."""
     for key in ("long_time_modulus", "moduli", "times"):
         if stated.get(key) is None:
             raise SettingsError(f"relaxation.{key}: missing from the Prony series", keys=["relaxation"])
@@ -232,7 +239,8 @@ def _series(stated: Mapping[str, Any], ratio: float) -> Relaxation:
             f"relaxation: {moduli.size} moduli and {times.size} times; give a time for each modulus",
             keys=["relaxation"],
         )
-    return Relaxation(float(plateau[0]), moduli, times, ratio)
+    low, high = stated.get("frequencies", (0.0, np.inf))
+    return Relaxation(float(plateau[0]), moduli, times, ratio, stated.get("misfit", 0.0), (low, high))
 
 
 def _shift(stated: Mapping[str, Any]) -> float:

@@ -53,11 +53,12 @@ def sliding_friction(
     ----------
     window : DataArray (y, x), m
         as for `solve_contact`: a single rough face.
-    relaxation : path, DataFrame or mapping
-        storage and loss modulus over frequency, a table with headings as `frequency (Hz)`, `storage_modulus
-        (MPa)`, `loss_modulus (MPa)`; or a Prony series of Young's modulus, `long_time_modulus` (Pa), `moduli`
-        (Pa), `times` (s). A mapping may have the table as `table`, and with `wlf` (C1, C2), the
-        `reference_temperature` and the `temperature` the rubber at another one.
+    relaxation : name, path, DataFrame or mapping
+        a rubber of `compounds.tsv`; storage and loss modulus over frequency, a table with headings as
+        `frequency (Hz)`, `storage_modulus (MPa)`, `loss_modulus (MPa)`; or a Prony series of Young's modulus,
+        `long_time_modulus` (Pa), `moduli` (Pa), `times` (s). A mapping may have the name or the table as
+        `table`, and with `wlf` (C1, C2), the `reference_temperature` and the `temperature` the rubber at
+        another one.
     speed : float or sequence of float, m/s
         each contact starts from the one before: best in rising order.
     mean_pressure : float, Pa

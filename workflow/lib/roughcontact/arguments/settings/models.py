@@ -362,7 +362,7 @@ class Body(Section):
     """stress over strain after a time under a constant stress, Pa by s: the results then include area, gap,
     conductance and leak after these times (docs/how-to/after-ten-years.md)"""
     relaxation: str | dict[str, Any] | None = _example("measured/dma.csv")
-    """of a rubber: path of a table of storage and loss modulus over frequency, or a Prony series
+    """of a rubber: a name, the path of a table of storage and loss modulus over frequency, or a Prony series
     {long_time_modulus, moduli, times}; {table, wlf, reference_temperature, temperature} for another
     temperature (docs/how-to/rubber.md); without youngs_modulus that is E' at the lowest frequency or the
     long-time modulus, without poissons_ratio that is 0.5"""
