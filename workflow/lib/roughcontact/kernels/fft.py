@@ -100,7 +100,7 @@ class ScipyPlan(PlanInPlace):
 
     def _blocks(self) -> list[slice]:
         """Return slices of a few rows each."""
-        step = max(1, self.threads * self.BLOCK // self.spectrum[0].nbytes)
+        step = max(1, self.threads * self.BLOCK // self.spectrum[0].nbytes)  # at least a row, however long
         return [slice(start, start + step) for start in range(0, self.shape[0], step)]
 
 
@@ -110,6 +110,7 @@ class CompiledPlan(PlanInPlace):
     def forward(self, field: Array, *, offset: float = 0.0) -> Array:
         field = np.require(field, self.scratch.dtype, ["C", "A", "W"])
         (ny, nx), roots = self.shape, _roots(self.shape[1], field.dtype)
+        # 1/(ny nx) is applied on the way back
         self._run("rows_forward", ny * field.itemsize, nx, (field, self.spectrum, roots), offset, ny, nx)
         self._columns(self.spectrum, backward=False)
         return self.spectrum
@@ -134,6 +135,7 @@ class CompiledPlan(PlanInPlace):
 @lru_cache(maxsize=64)
 def _roots(n: int, precision: np.dtype) -> np.ndarray:
     """Return real and imaginary parts of exp(-2 pi i k / n) for k from 0 to n - 1."""
+    # long double, and the angle within half a turn: each root is right to its last digit
     turns = np.arange(n, dtype=np.longdouble) / n
     angles = -2 * np.arccos(np.longdouble(-1)) * (turns - np.round(turns))
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1).astype(precision)
@@ -147,6 +149,7 @@ def make_plan(like: Array, precision: str, *, threads: int = 1, share: Plan | No
     if not isinstance(like, np.ndarray):
         return Plan(like, precision, threads=threads)
     plan = share if isinstance(share, PlanInPlace) else None
+    # the compiled transforms know prime factors up to 5
     in_c = library_available() and min(like.shape) >= MIN_SIDE and all(map(has_few_factors, like.shape))
     return (CompiledPlan if in_c else ScipyPlan)(like, precision, threads=threads, share=plan)
 

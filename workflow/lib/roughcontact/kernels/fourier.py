@@ -11,7 +11,7 @@ import numpy as np
 def wavevectors(shape: Sequence[int], spacing: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     """Return qy (ny, 1), signed as by `fftfreq`, and qx (1, nx // 2 + 1), in rad per unit of (dy, dx)."""
     (ny, nx), (dy, dx) = shape, spacing
-    qy = 2 * np.pi * np.fft.fftfreq(ny, dy)[:, None]
+    qy = 2 * np.pi * np.fft.fftfreq(ny, dy)[:, None]  # rad, not cycles: derivatives are products with q
     qx = 2 * np.pi * np.fft.rfftfreq(nx, dx)[None, :]
     return qy, qx
 
@@ -28,6 +28,7 @@ def halfplane_weights(shape: Sequence[int]) -> np.ndarray:
     2, but 1 at the zero frequency and at the Nyquist limit of an even side.
     """
     nx = shape[1]
+    # a wave and its opposite have the same power, but the mean and the highest of an even number stand alone
     weights = np.full((1, nx // 2 + 1), 2.0)
     weights[:, 0] = 1.0
     if nx % 2 == 0:

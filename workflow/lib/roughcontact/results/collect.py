@@ -98,12 +98,14 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         # the coordinate of a dimension cannot vary by surface
         if name in sizes and name != "depth":
             continue
+        # padding of shorter lists of loads, and of surfaces without this number
         values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in names_of_dim)), np.nan)
         for position, arrays in datasets.items():
             if name in arrays:
                 block = arrays[name].values
                 corner: tuple[int | slice, ...] = (*position, *(slice(size) for size in block.shape))
                 values[corner] = block
+        # depths differ from surface to surface: a coordinate, no dimension
         columns["profile_depth" if name == "depth" else name] = (("case", "surface", *names_of_dim), values)
     result = xr.Dataset(columns, coords=_labels("surface", surfaces))
     result = result.set_coords([name for name in _COORDINATES if name in columns])
@@ -123,6 +125,7 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
                 case: {surface: pick(attrs) for surface, attrs in by_surface.items()}
                 for case, by_surface in attributes.items()
             }
+            # floats of NumPy are no JSON
             result.attrs[name] = json.dumps(by_case, default=float, ensure_ascii=False)
     if cases == [None]:
         return result.isel(case=0)
@@ -218,6 +221,7 @@ def summary(result: xr.Dataset) -> pd.DataFrame:
     words = np.array(list(VERDICTS.values()), object)
     for labels, statistics in solved_results(result):
         loads = statistics["force" if "force" in statistics else "mean_pressure"].values
+        # numbers of each load alone: densities and profiles have no interval
         of_loads = [str(name) for name, variable in statistics.items() if variable.dims == ("load",)]
         for name in of_loads:
             if {f"{name}_lower", f"{name}_upper", "verdict"} <= {*statistics.data_vars}:
@@ -263,6 +267,7 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     if "verdicts" in statistics.attrs:
         verdicts = json_attribute(statistics.attrs, "verdicts")
         rows = [*zip(cases, frame["surface"], columns["load"][real], strict=True)]
+        # verdicts are stored by position
         if len(rows) != sum(len(verdicts[case][surface]) for case, surface in {row[:2] for row in rows}):
             raise SettingsError(
                 "the verdicts are of other loads: select rows of the table, not loads before it"

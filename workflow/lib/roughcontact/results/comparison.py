@@ -107,6 +107,7 @@ def _pairs(before: xr.Dataset | None, after: xr.Dataset | None) -> Iterator[tupl
     ]
     pairs = {}
     if before is not None and after is not None:
+        # loads that both runs have, by the one rule for all comparisons
         pairs = dict(zip(*(indices.tolist() for indices in paired_loads(before, after)), strict=True))
     yield from ((load, sides[1][pairs[i]] if i in pairs else empty) for i, load in enumerate(sides[0]))
     yield from ((empty, load) for i, load in enumerate(sides[1]) if i not in pairs.values())
@@ -121,10 +122,12 @@ def _judged(old: xr.Dataset, new: xr.Dataset, share: float | None) -> Iterator[d
     for name in _numbers(old):
         values = float(old[name]), float(new.get(name, np.nan))
         if share is not None:
+            # a stated share counts for both values alike
             yield _row(pressures[0], name, *values, tolerance=share * max(map(abs, values)))
         elif f"{name}_uncertainty" in old and name not in new:
             yield _row(pressures[0], name, *values, tolerance=_half_width(old, name, values[0]))
         elif f"{name}_uncertainty" in old and f"{name}_uncertainty" in new:
+            # two independent results: their half-widths add in squares
             tolerance = float(np.hypot(_half_width(old, name, values[1]), _half_width(new, name, values[0])))
             yield _row(pressures[0], name, *values, tolerance=tolerance)
 
@@ -153,7 +156,7 @@ def _half_width(side: xr.Dataset, name: str, value: float) -> float:
 
 def _row(pressure: float, name: str, before: float, after: float, *, tolerance: float) -> dict[str, Any]:
     """Return one row of the table."""
-    is_equal = before == after or (np.isnan(before) and np.isnan(after))
+    is_equal = before == after or (np.isnan(before) and np.isnan(after))  # NaN in both is no difference
     change = abs(after - before)
     return {
         "mean_pressure": pressure,

@@ -66,6 +66,7 @@ def write_vti(contact: xr.Dataset, path: str | Path) -> None:
     head = (
         '<?xml version="1.0"?>\n'
         '<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
+        # the third axis has one point, and needs a pitch all the same
         f'<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{dx!r} {dy!r} {dx!r}">\n'
         f'<FieldData><DataArray type="Float64" Name="mean_pressure" NumberOfTuples="{loads.size}" '
         f'format="ascii">{" ".join(map(repr, loads.tolist()))}</DataArray></FieldData>\n'
@@ -119,7 +120,7 @@ def write_tiff(contact: xr.Dataset, path: str | Path) -> None:
 
     dy, dx = spacing(contact["height"])
     size = 4 * contact["height"].size * (1 + 3 * contact.sizes["load"])
-    if size > _MAX_TIFF_BYTES:
+    if size > _MAX_TIFF_BYTES:  # before anything is written
         raise SettingsError(f"{path}: the maps take {size / 1e9:.3g} GB, a TIFF holds 4 GB: choose .vti")
     with atomic_write(path, size=size) as partial, AppendingTiffWriter(str(partial), new=True) as file:
         for name, load, field in _maps(contact):
@@ -128,8 +129,10 @@ def write_tiff(contact: xr.Dataset, path: str | Path) -> None:
                 text += f" at a mean pressure of {float(contact['mean_pressure'][load]):.6g} Pa"
             tags: Any = ImageFileDirectory_v2()
             tags[270] = text
+            # resolution in pixels per cm, code 3
             tags[282], tags[283], tags[296] = IFDRational(1e-2 / dx), IFDRational(1e-2 / dy), 3
             picture = field.values[::-1].astype(np.float32)
+            # the first row of a picture is its top
             Image.fromarray(picture).save(file, format="TIFF", tiffinfo=tags)
             file.newFrame()
 
@@ -164,6 +167,7 @@ def write_gsf(values: xr.DataArray, path: str | Path) -> None:
         "YRes": ny,
         "XReal": nx * dx,
         "YReal": ny * dy,
+        # the border of the first pixel, not its middle
         "XOffset": float(values["x"][0]) - dx / 2,
         "YOffset": float(values["y"][0]) - dy / 2,
         "Title": values.name or "map",
@@ -233,6 +237,7 @@ def write_contact_law(table: xr.Dataset, path: str | Path) -> None:
     pressure, stiffness, approach = (
         table[name].values for name in ("mean_pressure", "contact_stiffness", "approach")
     )
+    # the first load is approached from where both faces touch, along its own stiffness
     closer = approach[0] + pressure[0] / stiffness[0] - approach
     lines = [
         "** mm, N, s, MPa, mW/(mm2 K); include it in *SURFACE INTERACTION",
@@ -244,6 +249,7 @@ def write_contact_law(table: xr.Dataset, path: str | Path) -> None:
     if names and pressure.size > 1:
         conductance = table[names[0]].values
         slope = (conductance[1] - conductance[0]) / (pressure[1] - pressure[0])
+        # extrapolated to no load, below which no conductance is known
         unloaded = max(0.0, conductance[0] - slope * pressure[0])
         is_known = np.append(True, np.isfinite(conductance))
         rows = np.append(unloaded, conductance)[is_known] * 1e-3, np.append(0.0, pressure)[is_known] * 1e-6

@@ -79,6 +79,7 @@ class _MeanPressureIndex(xr.Index):
 
     def isel(self, indexers: Mapping[Any, Any]) -> "_MeanPressureIndex | None":
         """Return the index of a part; None where a single load is left."""
+        # a selection by another dimension leaves loads as they are
         pressures = self.pressures.isel(
             {dim: indexer for dim, indexer in indexers.items() if dim in self.pressures.dims}
         )

@@ -155,6 +155,7 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     ...     read_dataset(f"{folder}/statistics.nc")["mean_gap"].attrs["units"]
     'm'
     """
+    # a map alone is a dataset whose attributes the file shows, too
     if isinstance(dataset, xr.DataArray):
         name = dataset.name or "height"
         result = labelled_in_si(dataset.to_dataset(name=name))
@@ -208,6 +209,7 @@ class LoadByLoad:
     """
 
     def __init__(self, path: Path, loads: Sequence[float]):
+        # the file has the order that was asked for
         self.path, self._size = path, len(loads)
         self._indices = iter(np.argsort(loads, kind="stable"))  # `solve_contact` solves them rising
         self._file: netCDF4.Dataset | None = None
@@ -245,7 +247,7 @@ class LoadByLoad:
                     str(coordinate) for coordinate in field.coords if coordinate not in field.dims
                 )
                 variable_.setncatts(field.attrs | {"coordinates": " ".join(remaining)})
-        file.set_auto_maskandscale(False)
+        file.set_auto_maskandscale(False)  # values are written as they are: NaN is NaN
         return file
 
     def complete(self, dataset: xr.Dataset) -> None:

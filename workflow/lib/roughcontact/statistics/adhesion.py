@@ -40,7 +40,7 @@ def adhesion_in_words(statistics: xr.Dataset) -> str:
     )
     work = energy + remaining
     paid = _ENERGY.text(work)
-    if remaining > 0:
+    if remaining > 0:  # a positive work is left
         return (
             f"sticky: of the work of adhesion ({paid}) {_ENERGY.text(remaining)} is left when the surfaces "
             "are pressed flat"

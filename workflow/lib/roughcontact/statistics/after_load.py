@@ -21,6 +21,7 @@ def evaluate_unloading(
     `height` and `plastic_depth` (y, x; m) are the residual surface and how much lower it is; the statistics
     (load), and the roughness beside that of the window, `{name}_before_load`, are those of that surface.
     """
+    # without a stated peak the way back begins at the largest load
     peaks = settings["contact"]["unload"] or [float(contact["mean_pressure"].max())]
     roughness = (rms_height, rms_gradient, rms_curvature)
     initial_roughness = {f"{measure.__name__}_before_load": float(measure(window)) for measure in roughness}
@@ -34,6 +35,7 @@ def evaluate_unloading(
             **settings["statistics"],
         )
         numbers = count(unloading)
+        # maps, densities and profiles of the way back are left out: the file has the surface itself
         numbers = numbers[[name for name in numbers.variables if numbers[name].dims in ((), ("load",))]]
         further = {"height": unloading["height"].drop_attrs(), "peak_pressure": peak} | initial_roughness
         results.append(numbers.merge(unloading[_FLOW]).assign(further))

@@ -54,6 +54,7 @@ def compare(load: npt.ArrayLike, ends: Ends, *, allowed: float, trend: int = -1)
     order = np.argsort(-trend * np.asarray(load, float), kind="stable")
     loads = np.asarray(load, float)[order]
     value, lower, upper = (np.asarray(values, float)[order] for values in ends)
+    # a monotone number cannot be lower at a load than at the next one, whatever each interval says
     lower = np.maximum.accumulate(np.nan_to_num(lower, nan=-np.inf)[::-1])[::-1]
     upper = np.minimum.accumulate(np.nan_to_num(upper, nan=np.inf, posinf=np.inf))
     holds = np.full(loads.shape, np.nan)
@@ -80,8 +81,9 @@ def _crossing(
     if (last := above[-1]) == end.size - 1:
         return beyond[1]
     before, after = end[last], end[last + 1]
-    if not (after > 0 and np.isfinite(before)):
+    if not (after > 0 and np.isfinite(before)):  # no power law passes through zero or infinity
         return float(loads[last + side])
+    # between two loads the number is a power of the load
     share = np.log(before / allowed) / np.log(before / after)
     return float(loads[last] * (loads[last + 1] / loads[last]) ** share)
 
@@ -140,6 +142,7 @@ def compared_ends(statistics: xr.Dataset, name: str) -> np.ndarray:
         [np.max([statistics.get(f"{number}{suffix}", nan) for number in numbers], axis=0) for suffix in ENDS]
     )
     with np.errstate(divide="ignore"):
+        # the ends of a reciprocal change places
         return ends if allowed.sense > 0 else 1 / ends[[0, 2, 1]]
 
 

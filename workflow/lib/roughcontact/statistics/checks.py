@@ -127,12 +127,14 @@ def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
         CheckName.QUANTISATION: instrument_checks.is_too_coarse,
         CheckName.FORM: lambda window: bool(form_radii(window)),
     }
+    # a limit beyond which the interval does not hold either
     if check.outcome != REVIEW or (check.name in limits and limits[check.name](window)):
         return check
     if check.name == CheckName.PLASTICITY and "hardness" in statistics:
-        return check._replace(outcome=NOTE)
+        return check._replace(outcome=NOTE)  # the contact was solved with it: flow is in the numbers
     source = _IN_THE_INTERVAL.get(check.name)
     budget = statistics.get("relative_contact_area_uncertainty")
+    # an interval without an end includes nothing
     if source is not None and budget is not None and np.isfinite(budget.sel(source=source)).all():
         return check._replace(outcome=NOTE, advice=f"{check.advice} The ± includes it.".lstrip())
     return check._replace(outcome=NOTE) if check.name in _NOTES else check
@@ -152,6 +154,7 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
     -------
     list (load) of lists of str
     """
+    # limits as those of the checks of the same names
     flags = []
     for index in range(statistics.sizes["load"]):
         load = values_at_load(statistics, index)
@@ -206,6 +209,7 @@ def add_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
         which loads; `verdicts` is a list (load) of [word of `VERDICTS`, [reason, ...]], a reason for each
         check that did not pass.
     """
+    # each load by itself for its verdict, all together for the sentences
     loads = range(statistics.sizes["load"])
     by_load = [window_checks(statistics.isel(load=[load]), window) for load in loads]
     together = window_checks(statistics, window)

@@ -31,14 +31,18 @@ def conductance_columns(
     (S/m2), without films, gas and radiation. NaN with layers, whose heat and current take another way than
     the displacement (`conductors`).
     """
+    # Barber (2003): conductance over conductivity is stiffness over E*, for any rough contact of half-spaces
     per_conductivity = np.asarray(stiffness, float) / contact_modulus
     if not medium.is_homogeneous:
+        # layers conduct by another medium: solved by itself
         return {"conductance_per_conductivity": np.full_like(per_conductivity, np.nan)}
     columns = {"conductance_per_conductivity": per_conductivity}
     homogeneous = half_spaces(bodies)
     if (conductivities := _body_properties(homogeneous, "thermal_conductivity")) is not None:
+        # two half-spaces in series: harmonic mean of their conductivities
         columns["thermal_conductance"] = 2 / (1 / conductivities).sum() * per_conductivity
     if (resistivities := _body_properties(homogeneous, "electrical_resistivity")) is not None:
+        # the mean of both resistivities
         columns["electrical_conductance"] = 2 / resistivities.sum() * per_conductivity
     return columns
 
@@ -70,6 +74,7 @@ def conductivity_ranges(bodies: Bodies | None) -> dict[str, tuple[float, float, 
         if values is None or not any(stated):
             continue
         relative = [ends(1.0, shares) for shares in stated]
+        # layers: no closed form for the share of each, so that all ends are taken at once
         if len(half_spaces(bodies)) < len(bodies or ()):
             mean = float(np.mean(values**power)) ** power
             lowest, highest = zip(*relative, strict=True)
@@ -109,6 +114,7 @@ def gas_columns(gap: np.ndarray, *, conductivity: float, jump: float) -> dict[st
     M is the temperature jump at both walls (Yovanovich 1982; Song, Yovanovich, Goodman 1993, ASME J. Heat
     Transf. 115, 533); radiation is left out: below 10 W/(m2 K) at room temperature.
     """
+    # gas and solid contact side by side; the jump is that of temperature at both walls
     is_open = gap > 0
     return {"gas_conductance": conductivity * float(np.sum(1 / (gap[is_open] + jump))) / gap.size}
 
@@ -132,6 +138,7 @@ def resistances_and_joint(
             if name in results
         }
         if joint and {"thermal_resistance", "gas_conductance"} <= results.keys() | columns.keys():
+            # in a film over the contact all heat passes through the area that touches
             film = (joint.get("film_thickness") or 0.0) / (joint.get("film_conductivity") or 1.0)
             resistance = results["thermal_resistance"] + film / columns["relative_contact_area"]
             results["joint_conductance"] = 1 / resistance + columns["gas_conductance"]

@@ -52,6 +52,7 @@ def convergence(statistics: xr.Dataset) -> Check:
 
 def contact_points(statistics: xr.Dataset, points: int) -> Check:
     """Check that more than a handful of the `points` of the window are in contact at every load."""
+    # whole numbers again, after the share was rounded
     counts = np.rint(statistics["relative_contact_area_pixels"].values * points).astype(int)
     if few_loads := int((counts < CONTACT_POINTS).sum()):
         loads = f"At {few_loads} of {counts.size} loads fewer" if counts.size > 1 else "Fewer"
@@ -77,6 +78,7 @@ def overcount(statistics: Numbers) -> np.ndarray:
         np.asarray(statistics[f"relative_contact_area{ending}"]) for ending in ("_pixels", "")
     )
     touching = corrected_area > 0
+    # no corrected area is left of patches of single points
     return np.where(touching, pixel_area / np.where(touching, corrected_area, 1.0) - 1, np.inf)
 
 
@@ -148,10 +150,11 @@ def _check_by_classes(statistics: xr.Dataset) -> Check:
     not_stated = "Not made, no hardness is stated"
     state = "State the hardness (contact.hardness, or that of the bodies)."
     if rubber_like(statistics):
-        if mean.max() > 1:
+        if mean.max() > 1:  # rubber is elastic to large strains, but not beyond its own modulus
             return review(f"More than rubber bears: {figures}.")
         text = f"{not_stated}: {figures}; rubber-like solids (E* below {_RUBBER}) bear that."
         metals_flow = mean.max() > materials.METALS[0] or largest.max() > materials.METALS[1]
+        # the modulus of a gel may be one in MPa that was taken for Pa
         if modulus < materials.GEL and metals_flow:
             text = (
                 f"{not_stated}: {figures}; gels bear that, and E* = {quantity(modulus, 'Pa')} is that of "
@@ -235,6 +238,7 @@ def layers(statistics: xr.Dataset, points: int) -> Check | None:
         return None
     lengths = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
     sides = [side for side in lengths if np.isfinite(side)]  # a profile has one
+    # the mean pitch: of oblong pixels both sides count
     pixel = float(np.prod(sides) / points) ** (1 / len(sides))
     pixels = number(medium.thinnest / pixel, digits=2)
     share = number(medium.thickest / max(sides), digits=2)
@@ -301,6 +305,7 @@ def _temperature_doubt(statistics: xr.Dataset) -> str:
     )
     for name, limits in json_attribute(statistics.attrs, "temperatures").items():
         lowest, highest, stated = limits["lowest"], limits["highest"], limits.get("stated", materials.ROOM)
+        # the mean temperature is taken for that of a room, where nothing else is stated
         if materials.ROOM + rise > highest:
             return (
                 f"Warming by {number(rise)} K takes {name} from room temperature beyond {highest:g} °C, "
@@ -369,6 +374,7 @@ def fluid(statistics: xr.Dataset) -> Check | None:
         return None
     difference, viscosity = (statistics.attrs[f"seal_{key}"] for key in ("pressure_difference", "viscosity"))
     text = f"The fluid presses with up to {quantity(difference, 'Pa')}"
+    # the fluid would push the bodies apart
     if (lifts := statistics["mean_pressure"].values < difference).any():
         text += f", more than the bodies at {lifts.sum()} of {lifts.size} loads: it would lift them."
         return review(text, advice="State the load that presses them together while the fluid is there.")
@@ -389,6 +395,7 @@ def fluid(statistics: xr.Dataset) -> Check | None:
 def _slip(statistics: xr.Dataset, text: str) -> Check:
     """Return the check that the slip of a gas is known, by its mean free path over the narrowest place."""
     names = [f"critical_constriction_{axis}" for axis in "xy"]
+    # where it is closed no gas flows
     narrowest = [float(statistics[name].where(statistics[name] > 0).min()) for name in names]
     if not (path := path_at_mean_pressure(statistics.attrs)):
         advice = "State its mean_free_path (statistics.seal; 68 nm for air at 1 bar)."
@@ -397,6 +404,7 @@ def _slip(statistics: xr.Dataset, text: str) -> Check:
         return passed(f"{text}.")
     knudsen = path / np.nanmin(narrowest)
     text += f"; its Knudsen number at the narrowest place is up to {number(knudsen, digits=2)}"
+    # D = sqrt(pi)/2 over the Knudsen number is the argument of the fit
     if knudsen * MIN_INVERSE_KNUDSEN <= np.sqrt(np.pi) / 2:
         return passed(f"{text}, and the leak rate includes its slip.")
     return review(f"{text}, beyond what is known of its flow; it leaks more.", ("sealing",))

@@ -16,6 +16,7 @@ def count_switches(touching: np.ndarray, *, border: int = 0) -> tuple[int, int]:
     """
     # an axis of a single point has no unlike neighbours: a profile counts along its own axis alone
     lines = (touching, touching.T)
+    # a body that ends has no neighbour beyond its last line
     along_y, along_x = (int(np.count_nonzero((z != np.roll(z, 1, 0))[border:])) for z in lines)
     return along_y, along_x
 
@@ -48,6 +49,7 @@ def contact_perimeter(touching: np.ndarray, steps: tuple[float, float]) -> float
     from scipy.special import ellipe
 
     along_y, along_x = count_switches(touching)
+    # an ellipse that is crossed as often along both axes has this perimeter
     minor, major = sorted((along_y * steps[1] / 4, along_x * steps[0] / 4))
     length = float(4 * major * ellipe(1 - (minor / major) ** 2)) if major > 0 else 0.0
     return length * areal_only(touching.shape)

@@ -185,6 +185,7 @@ def contact_statistics(
         "patch": point_area(height.shape, steps)
         * logarithmic_edges(densities.PATCH_DECADES, densities.PATCH_BINS),
     }
+    # a solution of its own: unasked only where there is a seal
     with_flow = kind.has_flow and (flow == "always" or (flow == "auto" and seal is not None))
     conducting = conductance.conductors(bodies, recorded_elasticity(contact))
     gas = conductance.gas_arguments(joint)
@@ -212,6 +213,7 @@ def contact_statistics(
     columns["points_per_shortest_wavelength"] = np.full(
         mean_pressure.shape, parameters.pop("points_per_shortest_wavelength")
     )
+    # a finite body has both: its force, and that over the area of the map
     loads = [name for name in ("mean_pressure", "force") if name in contact]
     coordinates = _bins(edges) | {name: ("load", contact[name].values) for name in loads}
     stated = {"seal": seal or {}, "joint": joint or {}}
@@ -317,6 +319,7 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
         relative = statistics["max_pressure"] / statistics["contact_modulus"]
         statistics = statistics.assign(max_pressure_over_modulus=relative.variable)
     complete = statistics.merge(budget, compat="override", join="override").assign_attrs(window_attrs)
+    # after the corrections, which the ends in other units follow
     bounds = _ends_in_other_units(complete) | _ends_of_the_leak(complete)
     area, as_solved = "relative_contact_area", "relative_contact_area_as_solved"
     correction = complete[area] / complete[as_solved] if as_solved in complete else 1.0
@@ -389,6 +392,7 @@ def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
             continue
         if statistics[base].notnull().any():
             unit = statistics[name] / statistics[base]
+            # a conductance is K/E* times a property of the bodies: the same factor at value and ends
             lower, upper = (unit * statistics[f"{base}_{bound}"] for bound in ("lower", "upper"))
             factors = _factors(statistics, "thermal_conductivity")
             if transport == "electrical":
@@ -414,6 +418,7 @@ def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
         name, narrowest = f"leak_rate_{axis}", f"critical_constriction_{axis}"
         if name in statistics and f"{narrowest}_lower" in statistics:
             leak, height = statistics[name], statistics[narrowest]
+            # where it is closed there is no leak to scale from: that of smooth plates
             by_cube = (leak / height**3 / slip_factor(height, path)).where(
                 height > 0, statistics["leak_rate_by_cube"]
             )
@@ -474,6 +479,7 @@ def surface_numbers(
     >>> sorted(found.summits), "conforming_energy" in found.parameters
     (['density', 'height_std', 'mean_height', 'mean_radius'], True)
     """
+    # of a finite body the roughness alone is described, not its form
     roughness = recover_roughness(height)
     power = wave_power(roughness.values)
     parameters = surface_statistics(roughness, power)
@@ -512,6 +518,7 @@ def statistics_function(
     >>> found["rms_gradient"].dims, found["mean_gap"].dims
     ((), ('load',))
     """
+    # named once for all loads, and for the medium below
     if settings.get("bodies"):
         settings["bodies"] = named_bodies(settings["bodies"])
     surface = surface_numbers(
@@ -601,7 +608,7 @@ def theory_columns(
     "p' = 0.2, Persson 0.3108"
     """
     with np.errstate(divide="ignore"):  # of a flat map
-        relative = mean_pressure / np.float64(contact_modulus * rms_gradient)
+        relative = mean_pressure / np.float64(contact_modulus * rms_gradient)  # infinite of a flat map
     asperities = areal_only(height.shape)  # a single row or column has ridges and no summits
     summits = summit_statistics(height) if summits is None else summits
     return {
@@ -660,7 +667,7 @@ def _one_load(
     }
     bearing = bearing_numbers(contact_pressures, contact_modulus=elasticity.modulus, hardness=hardness)
     at_hardness = None if hardness is None else carrying(pressure, hardness)
-    del pressure, contact_pressures
+    del pressure, contact_pressures  # before the gap is read: one map at a time
     gap = contact["gap"].isel(load=load).values
     gap_density = density(gap[~touching], edges["gap"])
     # within the contact the gap is rounding: the solver keeps its mean there at zero
@@ -704,6 +711,7 @@ def _stiffness(
     touching: np.ndarray, at_hardness: np.ndarray | None, steps: tuple[float, float], elasticity: Elasticity
 ) -> dict[str, float]:
     """Return the stiffness of a contact as an elastic one, and that of further loading where points yield."""
+    # certified, because conductance is this number
     compliance, bound = certified_response(touching, steps, elasticity)
     elastic = _inverse(compliance)
     columns = {"contact_stiffness": elastic, "conductance_error_bound": bound}

@@ -43,9 +43,11 @@ def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
     """
     name = f"critical_constriction_{axis}"
     value, lower, upper = (_of_loads(numbers, f"{name}{suffix}") for suffix in ENDS)
+    # a leak so small is none, whatever its path
     tight = _of_loads(numbers, f"leak_rate_{axis}_upper") <= TIGHT
     full = _of_loads(numbers, f"{AREA}_lower") >= 1
     without_lay = float(np.asarray(numbers.get("Str", np.nan))) > LAY
+    # with a lay, or where its direction is unknown, the lower of both limits
     sparse = _of_loads(numbers, f"{AREA}_upper") < OPEN_BELOW[without_lay]
     closed_parts, open_parts = _shares(numbers, f"{name}_parts", value.size)
     yes = (upper <= CLOSED) | tight | full | ((value <= CLOSED) & (closed_parts >= 1 - _MAX_DIFFERENT))
@@ -78,6 +80,7 @@ def is_yielding(numbers: Numbers) -> np.ndarray:
     >>> is_yielding(peak | loads | {"max_pressure_lower": [7e8, 9e8, 1.2e9]})
     array([ 0., nan,  1.])
     """
+    # what reaches the hardness up to rounding has reached it
     limit = _number(numbers, "hardness") * (1 - _HARDNESS_ROUNDING)
     softest, hardest = (
         limit if np.isnan(end := _number(numbers, f"hardness_{side}")) else end * (1 - _HARDNESS_ROUNDING)
@@ -86,6 +89,7 @@ def is_yielding(numbers: Numbers) -> np.ndarray:
     value, lower, upper = (_of_loads(numbers, f"{PEAK}{suffix}") for suffix in ENDS)
     below = _of_loads(numbers, "volume_above_yield")  # infinite where all of a body yields
     yield_ratio = _of_loads(numbers, "mean_pressure") / _number(numbers, "first_yield_pressure")
+    # between two loads the largest pressure rises at least by this power
     rise = np.maximum(yield_ratio, 1.0) ** facts_of_numbers(numbers).power_of_largest_pressure
     everywhere = (lower * np.nan_to_num(rise, nan=1.0) >= softest) | (
         1.5 * _of_loads(numbers, f"{PRESSURE}_lower")
@@ -94,6 +98,7 @@ def is_yielding(numbers: Numbers) -> np.ndarray:
     if f"{PEAK}_parts" in numbers:
         parts = np.asarray(numbers[f"{PEAK}_parts"], float)
         everywhere |= np.isfinite(parts).any(axis=0) & (np.fmin.reduce(parts, axis=0) >= limit)
+    # where the range of hardness has an upper end, that has to be reached
     if hardest > limit:
         everywhere &= upper >= hardest
     elastic = (value < limit) & (upper < softest) & ~(below > 0)
@@ -107,6 +112,7 @@ def _monotone(numbers: Numbers, *, yes: np.ndarray, no: np.ndarray) -> np.ndarra
 
     Where the two contradict each other, neither is.
     """
+    # yielding, and the closing of a gap, are not undone by more load
     order = np.argsort(_of_loads(numbers, "mean_pressure"), kind="stable")
     from_here = np.logical_or.accumulate(yes[order])
     up_to_here = np.logical_or.accumulate(no[order][::-1])[::-1]

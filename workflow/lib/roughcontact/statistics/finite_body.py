@@ -39,8 +39,10 @@ def finite_body_columns(columns: Mapping[str, Any], contact: xr.Dataset, load: i
     )
     steps, force, approach = spacing(height), float(contact["force"][load]), float(contact["approach"][load])
     pressure, map_area = contact["pressure"].isel(load=load).values, height.size * steps[0] * steps[1]
+    # a flat punch in the shape of the contact, its surroundings too low to touch
     punch = np.where(pressure > 0, 0.0, -max(height.shape) * max(steps))
     body = FreeBody(punch, steps, elasticity)
+    # the response of a fixed contact is linear: any force serves
     punch_approach = body.solve(force, tolerance=_STIFFNESS_TOLERANCE).approach
     displacement = height.values - approach + contact["gap"].isel(load=load).values
     at_hardness = carrying(pressure, float(contact.get("hardness", np.inf)))
@@ -121,16 +123,20 @@ def greenwood_tripp(
     if not (spread > 0 and tip > 0):
         return dict.fromkeys(("contact_area", "max_pressure", "loaded_radius"), np.nan)
     smooth = hertz(force, radius, contact_modulus)
+    # farther out than Hertz's circle, by what summits of the tail still touch
     reach = np.sqrt(1.5 * smooth["contact_radius"] ** 2 + 12 * radius * spread)
     edges = reach * np.linspace(0, 1, _RINGS + 1)
     r, areas = (edges[1:] + edges[:-1]) / 2, np.pi * np.diff(edges**2)
+    # displacement by a disc of constant pressure, in complete elliptic integrals (Johnson 1985, section 3.4)
     larger = np.maximum(r[:, None], edges)
     m = (np.minimum(r[:, None], edges) / larger) ** 2
     discs = larger * (ellipe(m) - np.where(edges > r[:, None], 0.0, (1 - m) * ellipk(m)))
     influence = np.diff(4 / (np.pi * contact_modulus * spread) * discs, axis=1)
     scale = 4 / 3 * contact_modulus * density * np.sqrt(tip) * spread**1.5
+    # never zero, so that the first guess has a logarithm
     share = np.sqrt(np.maximum(1 - (r / smooth["contact_radius"]) ** 2, 1e-6))
     guess = smooth["max_pressure"] * (smooth["contact_radius"] / edges[-1]) ** 2 * share / scale
+    # the table, continued to where every summit is pressed deep
     separations = np.concatenate([-np.geomspace(1e6, 8, 400)[:-1], SEPARATIONS])
     t = np.interp(-np.log(guess), -np.log(summit_moment(1.5, separations)), separations)
     bulk = r**2 / (2 * radius * spread)
@@ -144,6 +150,7 @@ def greenwood_tripp(
     def jacobian(solution: np.ndarray) -> np.ndarray:
         slope = 1.5 * scale * summit_moment(0.5, solution[:-1])
         rings = np.hstack([np.eye(_RINGS) + influence * slope, np.ones((_RINGS, 1))])
+        # one Newton step solves all rings and the approach together
         return np.vstack([rings, np.append(-areas * slope / force, 0.0)])
 
     solution = root(excess, np.append(t, approach), jac=jacobian, tol=_CONVERGED)

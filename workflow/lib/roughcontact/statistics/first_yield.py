@@ -93,10 +93,12 @@ def first_yield_pressure(
             **kind.arguments(pressure, area),
             **solver,
         )
+        # the logarithm is nearly linear in that of the load
         return float(np.log(solution["max_pressure"].item() / goal))
 
     # no point carries more than all of the load, and at least one carries the mean pressure
     low, high = float(np.log(goal / window.size)), float(np.log(goal))
+    # without a start: nearer to the load that all points share than to that of one point
     load = low + 0.7 * (high - low) if start is None else float(np.clip(np.log(start), low, high))
     slope, previous, tried_loads = kind.power_of_largest_pressure, None, set()
     for _ in range(_MAX_SOLVES):
@@ -104,13 +106,14 @@ def first_yield_pressure(
         tried_loads.add(load)
         low, high = (load, high) if excess_at_load < 0 else (low, load)
         if previous is not None and load != previous[0]:
+            # a secant, within what slopes are possible
             slope = float(np.clip((excess_at_load - previous[1]) / (load - previous[0]), *_SLOPES))
         step = load - excess_at_load / slope
         if abs(excess_at_load) < _CLOSE:
             return float(np.exp(np.clip(step, low, high)))
         previous = load, excess_at_load
         load = float(np.clip(step, low, high))
-        if load in tried_loads:
+        if load in tried_loads:  # rounding repeats itself: halve the bracket
             load = (low + high) / 2
         if high - low < _CLOSE:
             break

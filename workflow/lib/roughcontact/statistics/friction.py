@@ -36,6 +36,7 @@ def friction_statistics(
         raise _missing("coefficient", "tangential_load or speed")
     columns, load = xr.Dataset(), float(contact["mean_pressure"].item())
     if shear_strength is not None:
+        # a junction shears at its strength, whatever the pressure
         columns["friction_coefficient"] = "load", [shear_strength * relative_area / load]
         if shear_strength_uncertainty is not None:
             bounds = ends(shear_strength, shear_strength_uncertainty)
@@ -57,10 +58,12 @@ def friction_statistics(
             raise _missing("speed", "coefficient or shear_strength")
         values = [body.get("thermal_conductivity") for body in half_spaces(bodies)]
         conductivities = [conductivity for conductivity in values if conductivity]
+        # flash temperatures are those of two half-spaces
         if len(conductivities) != 2:
             raise _missing("speed", "thermal_conductivity of both bodies, without layers")
         if coefficient is None:
             coefficient = columns["friction_coefficient"].item()
+            # so that the temperatures follow the interval of the area
             columns.attrs["flash_temperature_by"] = "shear_strength"
         warm = flash_temperature(
             contact,
@@ -99,9 +102,11 @@ def _equivalent_ratio(bodies: Sequence[Mapping[str, Any]] | None) -> float | Non
     ]
     if len(materials) != 2:
         return None
+    # compliances of a half-space, normal (1 - nu^2)/E and tangential (2 - nu)(1 + nu)/(2 E)
     normal = sum((1 - ratio**2) / modulus for modulus, ratio in materials)
     tangential = sum((2 - ratio) * (1 + ratio) / modulus for modulus, ratio in materials) / 2
     compliance = tangential / normal
+    # Mindlin's ratio (2 - nu)/(2 (1 - nu)), solved for nu
     return 2 * (compliance - 1) / (2 * compliance - 1)
 
 

@@ -41,6 +41,7 @@ def paired_loads(
     if as_stated and pascals[0].size == pascals[1].size:
         by_place = [np.argsort(data.get("place", data["mean_pressure"]).values) for data in (first, second)]
         return by_place[0], by_place[1]
+    # loads that are equal in Pa, or in units of E*: the sort of which more are equal counts first
     relative = [
         np.asarray(data.get("relative_pressure", load / float(data.get("contact_modulus", np.nan))))
         for data, load in zip((first, second), pascals, strict=True)
@@ -71,7 +72,7 @@ def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset
     """Return the loads (Pa, rising) at which all maps are known, some of them by interpolation."""
     map_loads = [data["mean_pressure"].values.astype(float) for data in datasets]
     low, high = max(value[0] for value in map_loads), min(value[-1] for value in map_loads)
-    if low > high * (1 + SAME_LOAD):
+    if low > high * (1 + SAME_LOAD):  # the maps have no range in common
         lowest, last = (
             names[[value[index] for value in map_loads].index(limit)]
             for index, limit in ((0, low), (-1, high))
@@ -83,6 +84,7 @@ def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset
     all_loads = np.sort(np.concatenate(map_loads))
     all_loads = all_loads[(all_loads >= low * (1 - SAME_LOAD)) & (all_loads <= high * (1 + SAME_LOAD))]
     distinct = all_loads[np.r_[True, np.diff(all_loads) > SAME_LOAD * all_loads[:-1]]]
+    # as many loads as the map with most of them has: more would be interpolated from too few
     limit = max(value.size for value in map_loads)
     if distinct.size <= limit:
         return distinct
@@ -108,5 +110,6 @@ def interpolated(map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray) -
     inside = np.clip(np.log(loads), *np.log(map_loads[[0, -1]]))  # up to rounding
     curve = scipy.interpolate.PchipInterpolator(np.log(map_loads), np.where(finite, values, 0.0))
     next_index = np.clip(np.searchsorted(map_loads, loads), 1, map_loads.size - 1)
+    # what is not finite at a neighbour is not finite between
     unknown = np.where(finite, 0.0, values)  # 0, NaN or infinite
     return curve(inside) + unknown[next_index] + unknown[next_index - 1]

@@ -14,6 +14,7 @@ def local_scale(statistics: xr.Dataset) -> Check | None:
     if "local_contact_area" not in statistics:
         return None
     last = statistics.isel(load=int(statistics["force"].values.argmax()))
+    # the least approach: under the smallest force roughness is largest against the form
     ratio = float(statistics["rms_height"] / statistics["hertz_approach"].min())
     share = float(last["local_contact_area"] / (np.pi * last["hertz_radius"] ** 2))
     force, radius, gap = (
@@ -27,6 +28,7 @@ def local_scale(statistics: xr.Dataset) -> Check | None:
         "approach."
     )
     lengths = [statistics[f"window_length_{axis}"] for axis in "xy"]
+    # a map as large as the contact does not see a pressure that is the same all over
     if ratio <= _ROUGHNESS_OF_FORM and np.nanmax(lengths) < 2 * statistics["hertz_radius"].min():
         return noted(text)
     return review(text, advice="Solve a map that is larger than the contact, with boundary: free.")

@@ -84,8 +84,10 @@ def worst_result(checks: Iterable[Check], *answers: str) -> str:
     """
     relevant = set(answers or (name for name, answer in ANSWERS.items() if answer.main))
     outcomes = {
+        # a note does not count
         PASSED if check.outcome == NOTE else check.outcome for check in checks if relevant & {*check.answers}
     }
+    # without any check nothing was judged
     return next((outcome for outcome in (FAILED, REVIEW, PASSED) if outcome in outcomes), REVIEW)
 
 

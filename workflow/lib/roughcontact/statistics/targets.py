@@ -72,6 +72,7 @@ def target_loads(
     crossing = partial(_crossing, lower_limit=_MIN_LOAD * unit / window.size, limit=hardness)
 
     def area_excess(target_value: float, load: float) -> float:
+        # logarithms, in which area and load are nearly in proportion
         """Return by how much the area exceeds the wanted one, in the logarithm."""
         return math.log(relative_contact_area(state(load)[0] > 0) / target_value)
 
@@ -79,6 +80,7 @@ def target_loads(
         """Return by how much the mean gap falls short of the wanted one, in the logarithm."""
         pressure, gap = state(load)
         mean = float(gap[pressure == 0].sum()) / gap.size
+        # full contact has no logarithm of its gap
         return min(math.log(target_value / mean), _FULL) if mean > 0 else _FULL
 
     def closed(axis: int, load: float) -> float:
@@ -93,6 +95,7 @@ def target_loads(
             raise SettingsError(
                 f"target_area = {target_value:g}: must be less than 1, all of the area", keys=["target_area"]
             )
+        # the search starts where theory has this area
         load = crossing(partial(area_excess, target_value), unit * _xu_load(target_value))
         if load is None:
             raise SettingsError(
@@ -100,7 +103,7 @@ def target_loads(
                 keys=["target_area"],
             )
         loads.append(load)
-    max_gap = float(window.max() - window.mean())
+    max_gap = float(window.max() - window.mean())  # of the surfaces at first touch
     for target_value in [] if target_gap is None else check_loads("target_gap", target_gap, unit="m"):
         if target_value >= max_gap:
             raise SettingsError(
@@ -196,6 +199,7 @@ def _crossing(
     step = math.log(2)
     low = high = math.log(start)
     if value_at(low) < 0:
+        # by factors of two to a bracket
         high += step
         while value_at(high) < 0:
             low, high = high, high + step
@@ -205,7 +209,7 @@ def _crossing(
             if math.exp(low) < lower_limit:
                 return None
             low, high = low - step, low
-    if steady:
+    if steady:  # a step has no root for an interpolation: it is bisected
         from scipy.optimize import brentq  # imported late: it takes longer than solving a small map
 
         return math.exp(brentq(value_at, low, high, xtol=_CLOSE / 2))

@@ -73,6 +73,7 @@ def xu_area(relative_pressure: ArrayLike) -> np.ndarray:
     low, high = erf(load), erf(load / np.sqrt(0.42))
     for _ in range(_BISECTIONS):
         middle = (low + high) / 2
+        # the area is on both sides: bisected between its bounds with A = 1 and A = 0
         above = erf(load / np.sqrt(0.42 + 0.58 * middle)) > middle
         low, high = np.where(above, middle, low), np.where(above, high, middle)
     return (low + high) / 2
@@ -103,7 +104,7 @@ def bush_gibson_thomas_area(relative_pressure: ArrayLike) -> np.ndarray:
     array([0.125, 0.501,   nan])
     """
     area = np.sqrt(2 * np.pi) * np.asarray(relative_pressure, float)
-    return np.where(area <= 1, area, np.nan)
+    return np.where(area <= 1, area, np.nan)  # beyond full contact the theory means nothing
 
 
 def greenwood_williamson_curve(
@@ -181,6 +182,7 @@ def greenwood_williamson_area(
     pressure, area = greenwood_williamson_curve(summits, contact_modulus=contact_modulus)
     with np.errstate(divide="ignore"):
         load = np.log(mean_pressure)
+    # in logarithms both curves are nearly straight; no extrapolation
     area_at_load = np.exp(np.interp(load, np.log(pressure), np.log(area), left=np.nan, right=np.nan))
     return np.where(area_at_load <= 1, area_at_load, np.nan)
 
@@ -203,6 +205,7 @@ def summit_moment(order: float, t: np.ndarray) -> np.ndarray:
         F_n(t) of Greenwood and Tripp (1971), of the shape of `t`.
     """
     table = np.log(_gaussian_moments(order)[::-1])
+    # far below the summits the moment is that of their mean and variance
     deep = np.minimum(t, SEPARATIONS[0])
     below = (-deep) ** order * (1 + order * (order - 1) / (2 * deep**2))
     return np.where(t < SEPARATIONS[0], below, np.exp(np.interp(t, SEPARATIONS, table)))
@@ -223,5 +226,5 @@ def _gaussian_moments(order: float) -> np.ndarray:
     v = reach / 2 * (nodes + 1)
     integrand = 2 * v ** (2 * order + 1) * np.exp(-((t + v**2) ** 2) / 2) / np.sqrt(2 * np.pi)
     moments = (reach[:, 0] / 2) * (integrand @ weights)
-    moments.setflags(write=False)
+    moments.setflags(write=False)  # shared by all callers
     return moments

@@ -84,6 +84,7 @@ def unload(
     hardness = float(contact["hardness"])
     pressures = sorted(contact["mean_pressure"].values.tolist(), reverse=True)
     top = pressures[0] if peak_pressure is None else check_loads("peak_pressure", peak_pressure, unit="Pa")[0]
+    # the top first: unloading starts from where loading ended
     loads = [top, *(load for load in pressures if load < top)]
     if mean_pressure is not None:
         loads = check_loads("mean_pressure", mean_pressure, unit="Pa")
@@ -123,12 +124,14 @@ def plastic_depth(loading: xr.Dataset, *, threads: int = 1) -> xr.DataArray:
     The solver gives points at the hardness a gap of zero; the overlap there is that of G p - h + approach,
     whose constant follows from all other points, where the gap is known.
     """
+    # in double: the depth is a difference of heights and displacement
     height, pressure = loading["height"], np.require(loading["pressure"].values, dtype=float)
     (ny, nx), (dy, dx) = height.shape, spacing(height)
     elasticity = recorded_elasticity(loading)
     body = HalfSpace((ny, nx), (ny * dy, nx * dx), elasticity, threads=threads)
     separation = body.displacement(pressure) / elasticity.modulus - height.values
     at_hardness = pressure >= float(loading["hardness"])
+    # the offset from points that have not yielded, where the gap is known
     gap = separation + np.mean((loading["gap"].values - separation)[~at_hardness])
     depth = np.where(at_hardness, np.maximum(-gap, 0.0), 0.0)
     return xr.DataArray(depth, coords=height.coords, dims=height.dims, name="plastic_depth")

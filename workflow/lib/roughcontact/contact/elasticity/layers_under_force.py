@@ -32,9 +32,11 @@ class FadedLayers:
 
     def symbol(self, q: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
         """Return the symbol at wavenumbers (ny, nx // 2 + 1), which has to be positive."""
+        # short waves do not notice that the response fades out; long ones come from a table
         symbol = 2 / q * self.layers.factor(q)
         long = q * self.reach < _LONG
         symbol[long] = _faded(self.layers, self.reach)[0](q[long] * self.reach)
+        # the certificate of the solver needs a positive operator
         if symbol.min() <= 0:
             raise SettingsError(
                 "these layers on a body of finite size have no proven solution: their compliance within the "
@@ -60,11 +62,12 @@ def _faded(layers: Medium, reach: float) -> tuple["CubicSpline", float]:
     from scipy.special import j0
 
     z: np.ndarray = np.arange(0.0, _LONG + 1, 0.1)
-    outer_radius = FADE * reach
+    outer_radius = FADE * reach  # the fade ends there
     r, weights = graded_panels(outer_radius, _RADIANS * reach / _LONG, layers.thinnest / 4)
     weights *= smooth_fade(r / reach, FADE)
     change = change_by_layers(layers, np.append(r, outer_radius))
     farthest = 1 / (np.pi * outer_radius) + float(change[-1])
+    # in polar coordinates, where 1/(pi r) times r is constant at a point force
     response = 2 * (1 + np.pi * r * (change[:-1] - farthest)) * weights
     return CubicSpline(z, j0(z[:, None] * (r / reach)) @ response), farthest
 
@@ -76,10 +79,13 @@ def change_by_layers(layers: Medium, distance: np.ndarray) -> np.ndarray:
 
     thinnest, values = layers.thinnest, []
     logarithm = np.linspace(0, np.arcsinh(float(distance.max()) / thinnest), _DISTANCES)
+    # near the force short waves count, far from it they have decayed: so many ranges of distance
     for r in np.array_split(thinnest * np.sinh(logarithm), _BLOCKS):
+        # waves beyond have died out by the layers, or by the error function
         last = min(_DECAYED / thinnest, (_FADED + 6 * _WIDTH) / max(r[0], thinnest))
         q, weights = graded_panels(last, _RADIANS / r[-1], _SOFTEST / layers.thickest)
         phase = np.outer(r, q)
         waves = j0(phase) * erfc((phase - _FADED) / _WIDTH) / 2
         values.append(waves @ (weights * (layers.factor(q) - 1) / np.pi))
+    # distances in even steps of arsinh: even in the thinnest layer, in equal ratios beyond it
     return np.asarray(CubicSpline(logarithm, np.concatenate(values))(np.arcsinh(distance / thinnest)))

@@ -28,6 +28,7 @@ class PointForce:
         from scipy.special import jv  # imported late: stresses of periodic maps need nothing of it
 
         self.long, self.shallow = q * reach < _LONG, finest
+        # equal wavenumbers share a quadrature
         self.q, self.index = np.unique(q[self.long], return_inverse=True)
         outer_radius = TAPER * reach
         self.r, weights = graded_panels(outer_radius, outer_radius / _EVEN_PANELS, finest / 4)
@@ -45,5 +46,6 @@ class PointForce:
         mean = self.bessel[0] @ (r * (slope - ring) / 2)
         difference = self.bessel[2] @ (r * (slope + ring - 2 * (1 - 2 * ratio) / (big * (big + z))) / 2)
         amplitudes = np.array([normal, shear, mean + difference, mean - difference])
+        # between that depth and the surface the change is that of plain waves
         amplitudes += half_space_amplitudes(self.q * depth, ratio) - half_space_amplitudes(self.q * z, ratio)
         return amplitudes[:, self.index]

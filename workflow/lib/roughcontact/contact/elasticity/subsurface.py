@@ -39,16 +39,18 @@ def subsurface_stress(
     if not images:
         from scipy.fft import next_fast_len  # imported late: periodic maps need nothing of scipy
 
-        reach = float(np.hypot(*np.multiply(pressure.shape, steps)))
+        reach = float(np.hypot(*np.multiply(pressure.shape, steps)))  # the farthest two loaded points
         wide = [n + math.ceil(TAPER * reach / step) for n, step in zip(pressure.shape, steps, strict=True)]
         wide_pressure = np.zeros([next_fast_len(n, real=True) for n in wide])
         wide_pressure[inside] = pressure
         pressure = wide_pressure
     shape, mean = pressure.shape, float(pressure.mean()) if images else 0.0
     plan = make_plan(pressure, DOUBLE)
+    # a copy: the plan overwrites its spectrum at the next transform
     spectrum = plan.forward(np.subtract(pressure, mean, dtype=float)).copy()
     qy, qx = wavevectors(shape, steps)
     q = np.hypot(qy, qx)
+    # the shallowest depth that is resolved
     force = None if images else PointForce(q, reach, min(steps) / 32)
     along_y, along_x = (
         np.divide(wavevector, q, out=np.zeros_like(q), where=q > 0) for wavevector in (qy, qx)
@@ -66,6 +68,7 @@ def subsurface_stress(
         ratios = [poissons_ratio]
     else:
         ratios = [body_material.poissons_ratio for body_material in body.materials]
+        # any wave serves at q = 0, whose amplitude the spectrum has lost with the mean
         layer_stresses = stress_amplitudes(np.where(q > 0, q, q.flat[-1]), body)
 
     def stress_at(depth: float, material: int = 0) -> np.ndarray:
@@ -87,7 +90,7 @@ def subsurface_stress(
             lambda: -1j * odd_x * shear,
             lambda: odd_x * odd_y * (with_q - crests),
         )
-        lateral = ratio / (1 - ratio) * mean
+        lateral = ratio / (1 - ratio) * mean  # sides cannot give way under a pressure that is everywhere
         uniform = (-lateral, -lateral, -mean, 0, 0, 0)
         stress, field = empty(pressure, DOUBLE, (6, *size)), empty(pressure, DOUBLE)
         for index, component in enumerate(components):

@@ -23,7 +23,7 @@ def region_sizes(inside: np.ndarray) -> np.ndarray:
     for rows in np.array_split(labels, -(-labels.size // _BLOCK)):
         counts = np.bincount(rows.ravel())
         sizes[: counts.size] += counts
-    sizes[0] = 0
+    sizes[0] = 0  # outside all regions
     total = np.bincount(roots, sizes).astype(int)
     return total[total > 0]
 

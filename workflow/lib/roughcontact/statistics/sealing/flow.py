@@ -32,7 +32,7 @@ def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: floa
     axes = np.flatnonzero(around.any(axis=0))
     factors, driven = np.zeros((2, 2)), np.zeros(2)
     if axes.size:
-        is_open = around[region].any(axis=-1)
+        is_open = around[region].any(axis=-1)  # pockets that no flow passes have no part in it
         factors[np.ix_(axes, axes)], driven[axes] = _tensor(
             np.where(is_open, gap, 0) / gap.mean(), steps, axes, tolerance
         )
@@ -72,6 +72,7 @@ def leak_columns(
     3.00 ml per hour and metre
     """
     expansion = 1 + pressure_difference / (2 * outlet_pressure) if outlet_pressure else 1.0
+    # an ideal gas expands along the way: its mean density is that between inlet and outlet
     by_flow = np.asarray(mean_gap, float) ** 3 * pressure_difference * expansion / (12 * viscosity * width)
     path = (mean_free_path or 0.0) / expansion
     return {
@@ -87,7 +88,7 @@ def _tensor(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return along some axes the flow factors of a gap in units of its mean, and <g G> of each axis."""
     cubes = gap**3
-    is_open = cubes >= np.finfo(float).tiny
+    is_open = cubes >= np.finfo(float).tiny  # the cube of a gap may underflow
     unknowns = int(is_open.sum())
     number = np.empty(gap.shape, int)
     number[is_open] = np.arange(unknowns)
@@ -111,6 +112,7 @@ def _tensor(
     sides, mean_gap = (slice(count), slice(count, None)), [link[3] for link in links]
     for column, axis in enumerate(axes):
         drops[sides[axis], column] = steps[axis]
+    # by roots of the conductances the matrix is a square, and stays one when it is coarsened
     root = np.sqrt(conductance)
     rows = np.tile(np.arange(root.size), 2)
     difference = sp.coo_array(
@@ -140,5 +142,5 @@ def _tensor(
             area = gap.size * steps[0] * steps[1]
             return drops.T @ drops / area, driven[-1] / area
         if step == _MAX_STEPS or not np.isfinite(energy).all():
-            break
+            break  # too many steps, or rounding alone: NaN says so
     return np.full((axes.size, axes.size), np.nan), np.full(axes.size, np.nan)

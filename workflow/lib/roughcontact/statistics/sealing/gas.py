@@ -20,6 +20,7 @@ _FLOW_FIT = np.array(
 def path_at_mean_pressure(attrs: Mapping[str, Any]) -> float:
     """Return the mean free path (m) within a seal by the attributes of its statistics; 0: none is stated."""
     path, difference = (attrs.get(f"seal_{key}", 0.0) for key in ("mean_free_path", "pressure_difference"))
+    # the mean pressure lies half-way between outlet and inlet
     return path / (1 + difference / (2 * attrs.get("seal_outlet_pressure", np.inf)))
 
 
@@ -37,8 +38,9 @@ def slip_factor(narrowest: npt.ArrayLike, mean_free_path: float) -> np.ndarray:
     height = np.asarray(narrowest, float)
     if not mean_free_path:
         return np.ones(height.shape)
+    # closed places have no free path: any factor
     inverse = np.sqrt(np.pi) / 2 * np.where(height > 0, height, np.inf) / mean_free_path
-    inverse = np.clip(inverse, MIN_INVERSE_KNUDSEN, 1e9)
+    inverse = np.clip(inverse, MIN_INVERSE_KNUDSEN, 1e9)  # beyond it the flow is viscous to all digits
     rows = np.searchsorted([0.15, 5.0], inverse, side="right")
     linear, constant, first, second = np.moveaxis(_FLOW_FIT[rows], -1, 0)
     return 6 * (linear + (constant + (first + second / inverse) / inverse) / inverse)

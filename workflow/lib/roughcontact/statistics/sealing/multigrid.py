@@ -72,6 +72,7 @@ def multigrid(root: sp.csr_array, coordinates: np.ndarray) -> tuple[sp.csr_array
         representative = np.empty(count, int)
         representative[aggregate] = points  # any member has the place of its block
         coordinates = coordinates[representative] // _BLOCK
+    # scaled to a unit diagonal: conductances range over many powers of ten
     scaling = np.sqrt(_inverse(matrix.diagonal()))
     values, vectors = np.linalg.eigh(scaling[:, None] * matrix.toarray() * scaling)
     is_regular = values > values.size * np.finfo(float).eps  # the others are constants, which are free
@@ -83,6 +84,7 @@ def multigrid(root: sp.csr_array, coordinates: np.ndarray) -> tuple[sp.csr_array
             return modes @ (modes.T @ residual)
         level = levels[depth]
         correction = level.weight * residual
+        # two steps down, two up: the cycle is symmetric
         correction += level.weight * (residual - level.matrix @ correction)
         correction += level.prolong @ cycle(
             level.restrict @ (residual - level.matrix @ correction), depth + 1
@@ -112,6 +114,7 @@ def minimised(
         step = np.divide(product, curvature, out=np.zeros_like(product), where=curvature > 0)
         solution += step * direction
         residual -= step * image
+        # no descent is possible but for rounding
         stuck = step <= 0
         if stuck.any():  # a maximum takes as long as a fifth of a cycle
             stuck &= np.abs(residual).max(axis=0, initial=0.0) > limit

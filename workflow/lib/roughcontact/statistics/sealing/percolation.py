@@ -68,11 +68,13 @@ def _levels(gap: np.ndarray, *, axes: tuple[int, ...] = (0, 1), above: float = 0
     heights = gap.ravel()
     # of each axis: a level at which it is open, or `above`, and one at which it is closed
     is_open, closed_above = [above, above], [np.inf, np.inf]
+    # the next number above the level: open there means open at all
     lowest = open_along(np.nextafter(heights.dtype.type(above), heights.dtype.type(np.inf)))
     sample = heights[:: max(1, heights.size // _SAMPLE)]
     for axis in axes:
         if not lowest[axis]:
             continue
+        # a sample brackets the level cheaply; all heights within the bracket find it exactly
         for values in (sample, heights):
             levels = np.sort(values[(values > is_open[axis]) & (values < closed_above[axis])])
             low, high = 0, levels.size

@@ -17,6 +17,7 @@ def rejected_points(levelled_map: xr.DataArray) -> np.ndarray:
     if "rejected_height" not in levelled_map.coords:
         return np.zeros(levelled_map.shape, dtype=bool)
     is_rejected = ~np.isnan(_heights(levelled_map))
+    # points open to the border were left out of the map by filling, and stay out
     is_filled = levelled_map.attrs.get("fill_method") == "none" or ~np.isnan(levelled_map.values)
     return np.asarray(is_rejected & is_filled)
 

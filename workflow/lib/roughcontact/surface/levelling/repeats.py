@@ -43,6 +43,7 @@ def noise_of_repeats(height: xr.DataArray, repeat: xr.DataArray) -> tuple[float,
             f"repeat_of: {names[0]} and {names[1]} have equal heights: a copy is no second measurement; name "
             "the file of the second one, or leave repeat_of empty"
         )
+    # without rejections, which would take the tails of the noise
     heights = [level(height, fill="none", outlier_threshold=None).values for height in (height, repeat)]
     is_measured = np.isfinite(heights[0]) & np.isfinite(heights[1])
     first_heights, second_heights = (height[is_measured] - height[is_measured].mean() for height in heights)
@@ -64,6 +65,7 @@ def noise_of_repeats(height: xr.DataArray, repeat: xr.DataArray) -> tuple[float,
     # where it would have made the noise too large
     note = f"as by a shift of {pixels} (pixels)" if rms < _EVEN * rms_raw else ""
     if not clusters:
+        # each of both maps has half of the variance of their difference
         return rms / math.sqrt(2), f"{note}, which their noise leaves out" if note else ""
     return math.nan, (
         f"by {quantity(rms_raw, 'm')} (rms), {f'{note}, ' if note else ''}not as by noise: {clusters}; "
@@ -74,6 +76,7 @@ def noise_of_repeats(height: xr.DataArray, repeat: xr.DataArray) -> tuple[float,
 
 def _subtract_shift(height: np.ndarray, repeat: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """Return the difference of two levelled maps less that of a shift, the shift (pixels), the rms before."""
+    # to first order a shift changes the heights by the slope times it
     slopes = [np.gradient((height + repeat) / 2, axis=axis) for axis, n in enumerate(height.shape) if n > 1]
     residual = np.where(np.isfinite(sum(slopes)), height - repeat, np.nan)
     residual = (

@@ -26,7 +26,7 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     curve = np.negative(heights)
     curve.sort()
     np.negative(curve, out=curve)  # contiguous in memory, in descending order
-    curve -= curve[-1]
+    curve -= curve[-1]  # heights above the lowest point
     if curve[0] == 0:
         return dict.fromkeys(BEARING_PARAMETERS, 0.0) | {"Smr1": math.nan, "Smr2": math.nan}
     ratio = np.linspace(0, 1, curve.size)
@@ -39,6 +39,7 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     start = ratio[int(fall.argmin())]
     del fall  # memory may not hold more than is needed of a large map
     start_index = int(np.searchsorted(ratio, start))
+    # rounding must not drop the last point
     stop_index = int(np.searchsorted(ratio, start + _CENTRAL_WIDTH + 1e-12, side="right"))
     # the least-squares line through it, extended from 0 to 100 %, bounds the core; triangles of equal area
     # replace the curve above and below
@@ -57,6 +58,7 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     extreme, middle = np.interp([_EXTREME_RATIO, _MIDDLE_RATIO], ratio, curve)
     return {
         "Sk": upper - lower,
+        # a triangle of the same area over the ratio where peaks begin
         "Spk": 2 * peaks / enters if enters > 0 else 0.0,
         "Svk": 2 * dales / (1 - leaves) if leaves < 1 else 0.0,
         "Spkx": max(float(curve[0]) - upper, 0.0),

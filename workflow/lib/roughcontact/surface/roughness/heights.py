@@ -54,9 +54,11 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
     z = values[~np.isnan(values)]
     z = z - z[0]  # exactly zero for a flat map, whatever its height
     z -= z.mean()
+    # the standard deviation, of the points that are measured
     sq = math.sqrt(np.mean(z**2))
     slopes = 0.0
     for axis, pitch in enumerate(spacing(height)):
+        # between neighbours, as ISO 25178-2 of a map that is not periodic; spectra would see its seams
         steps = np.diff(values, axis=axis)
         steps = steps[~np.isnan(steps)]
         steps /= pitch
@@ -81,6 +83,7 @@ def _developed_excess(values: np.ndarray, steps: tuple[float, float]) -> float:
     if dimensions(values.shape) == 1:  # the length of a profile
         axis = int(np.argmax(values.shape))
         slopes = np.diff(values, axis=axis) / steps[axis]
+        # a gap in a profile leaves its steps out
         return float(np.nanmean(_excess(slopes**2))) if not np.isnan(slopes).all() else 0.0
     corners = np.empty((values.shape[0] - 1, values.shape[1] - 1))
     for start in range(0, len(corners), _ROWS_PER_BLOCK):  # in blocks, to save memory

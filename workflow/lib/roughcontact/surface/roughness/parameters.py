@@ -106,6 +106,7 @@ def interior_rms_gradient(height: xr.DataArray) -> float:
         of_lines = np.empty(count)
         for start in range(0, count, _LINES_PER_BLOCK):  # in blocks, to save memory
             block = slice(start, start + _LINES_PER_BLOCK)
+            # a line and its mirror image are periodic without a seam, and have the same slopes
             even_extension = np.concatenate([lines[block], lines[block, ::-1]], axis=-1)
             of_lines[block] = np.abs(np.fft.rfft(even_extension)) ** 2 * weights @ q**2
         total += float(of_lines.mean()) / points**2
@@ -151,7 +152,7 @@ def steepest_share(height: xr.DataArray, *, share: float = 0.01) -> float:
         return 0.0
     count = max(1, round(share * squares.size))
     steepest = squares.ravel()
-    steepest.partition(-count)
+    steepest.partition(-count)  # a partial sort: the count highest, in any order
     return float(steepest[-count:].sum() / total)
 
 
@@ -304,11 +305,13 @@ def _profile_moments(
     """Return the moments of profiles from those of the surface."""
     if min(height.shape) == 1:
         return m0, gradient, laplacian
+    # of an isotropic surface: the mean of cos^2 is 1/2, that of cos^4 is 3/8
     return m0, gradient / 2, laplacian * 3 / 8
 
 
 def _bandwidth(m0: float, m2: float, m4: float) -> float:
     """Return m0 m4 / m2^2, NaN for a flat map."""
+    # in this order, so that no product leaves the range of doubles
     return m0 / m2 * (m4 / m2) if m2 > 0 else math.nan
 
 
@@ -333,6 +336,7 @@ def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[floa
     share /= total
     remaining = np.cumsum(share[::-1])[::-1]
     edge = int(np.nonzero(remaining > _SHARE_BEYOND_CUTOFF)[0][-1])
+    # over a third of an octave below the edge, the mean of a band as acoustics has it
     level_below_edge = share[int(np.ceil(edge / 2 ** (1 / 3))) : edge + 1].mean()
     while edge + 1 < share.size and share[edge + 1] > _EDGE_DROP * level_below_edge:
         edge += 1

@@ -63,19 +63,20 @@ def profile_parameters(profiles: xr.DataArray) -> dict[str, float]:
     """
     values = check_map(profiles)
     if "filled" in profiles.coords:
-        values[profiles["filled"].values.astype(bool)] = np.nan
+        values[profiles["filled"].values.astype(bool)] = np.nan  # filled points are no measurement
     pitch = min(step for step, points in zip(spacing(profiles), profiles.shape, strict=True) if points > 1)
     rows = values if values.shape[1] > 1 else values.T
     l_filter = json_attribute(profiles.attrs, "filters_removed").get("l_filter")
     section = l_filter and l_filter["nesting_index"]["value"]
     parameters = [_parameters(row, pitch, section) for row in rows]
-    prefix = "R" if l_filter else "P"
+    prefix = "R" if l_filter else "P"  # ISO 21920-2: R of a profile without waviness, P of a primary one
     return {prefix + name: float(np.mean([row[name] for row in parameters])) for name in parameters[0]}
 
 
 def _parameters(profile: np.ndarray, pitch: float, section: float | None) -> dict[str, float]:
     """Return the parameters of heights (m; NaN where missing), without the letter of the profile."""
     indices = np.flatnonzero(~np.isnan(profile))
+    # missing points at the ends shorten the profile, those within are left out of sums
     if indices.size < 2:
         raise HeightMapError("a profile has fewer than two measured points: leave its row out")
     z = np.ma.masked_invalid(profile[indices[0] : indices[-1] + 1])
@@ -86,10 +87,12 @@ def _parameters(profile: np.ndarray, pitch: float, section: float | None) -> dic
             f"l_filter = {section:g} m: the profile of {z.size * pitch:g} m is shorter than one section; "
             "filter with a smaller nesting index, or measure a longer profile"
         )
+    # a last section that is not complete is left out
     sections = z[: z.size // count * count].reshape(-1, count)
     p, v = float(sections.max(axis=1).mean()), float(-sections.min(axis=1).mean())
     q = math.sqrt(np.mean(z**2))
     bearing = bearing_parameters(z.compressed())
+    # crossings are counted on a profile without gaps
     bridged_profile = np.interp(np.arange(z.size), indices - indices[0], z.compressed())
     return {
         "a": float(np.mean(np.abs(z))),

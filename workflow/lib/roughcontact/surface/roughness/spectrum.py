@@ -82,6 +82,7 @@ def isotropic_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
     lengths = [n * d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1]
     limits = [np.pi / d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1]
     fundamental = 2 * np.pi / max(lengths)
+    # beyond the shorter limit shells would be cut off
     last = max(int(min(limits) / fundamental * (1 + 1e-9)), 1)
     sides = fourier.halfplane_weights(height.shape)
     count, total, mean = np.zeros((3, last + 1))
@@ -93,6 +94,7 @@ def isotropic_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
         mean += _sum_shells(shell, sides * wavenumber, last)
     is_occupied = count > 0
     is_occupied[0] = False
+    # at the mean wavenumber of the waves in the shell, which few waves may have beside its middle
     return mean[is_occupied] / count[is_occupied], _area(height) * total[is_occupied] / count[is_occupied]
 
 
@@ -144,6 +146,7 @@ def angular_spectrum(
     dqy, dqx = (2 * np.pi / (n * d) for n, d in zip(height.shape, spacing(height), strict=True))
     finer_step, coarser_step = sorted((dqy, dqx))
     theta = np.arange(0, 180, step)
+    # circles within the plane of waves, in steps of the finer axis
     radius = np.arange(1, np.pi / max(spacing(height)) / finer_step) * finer_step
     radius = radius[radius >= coarser_step * (1 - 1e-9)]
     across = np.deg2rad(theta)[:, None]
@@ -155,6 +158,7 @@ def angular_spectrum(
     longer = _removed_waves(
         spectrum, height.shape, math.ceil(coarser_step / finer_step * (1 - 1e-9)) - 1, along_x=dqx < dqy
     )
+    # linear between the waves, which are spectra of chance: a spline would swing below zero
     rays = map_coordinates(spectrum, [rows, np.abs(columns)], order=1, mode="nearest")
     variance = 2 * _area(height) * (rays * radius).sum(axis=1) * finer_step / (2 * np.pi) ** 2
     deviation = np.deg2rad(theta if dqx < dqy else theta - 90)

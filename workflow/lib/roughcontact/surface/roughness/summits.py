@@ -38,9 +38,11 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
         qy, qx = fourier.wavevectors(values.shape, (dy, dx))
         plan = make_plan(values, DOUBLE)
         spectrum = plan.forward(values)
+        # half of the Laplacian in place: no second spectrum of a large map
         for row, along_y in enumerate(qy[:, 0]):
             spectrum[row] *= (along_y**2 + qx[0] ** 2) / 2
         plan.inverse(spectrum, values)
+        # positive at a summit, as the curvature of a ball is
         result["mean_radius"] = float(1 / values[summit].mean())
         result["height_std"] = float(heights.std())
         result["mean_height"] = float(heights.mean())
@@ -69,7 +71,7 @@ def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str
     """
     values = height.values.astype(float, copy=False)
     rankings = [_highest(values, *sides, images) for sides in (_SUMMIT, _SPIKE)]
-    if not all(heights[0] for heights, _ in rankings):
+    if not all(heights[0] for heights, _ in rankings):  # fewer than one summit: a flat map
         return {}
     chance, inverse, position = min(
         (_chance(heights), heights[1] / heights[0], candidate) for heights, candidate in rankings
@@ -89,6 +91,7 @@ def _highest(values: np.ndarray, top: int, around: int, images: int) -> tuple[li
     from scipy.ndimage import uniform_filter
 
     above = uniform_filter(values, top, mode="wrap") - uniform_filter(values, around, mode="wrap")
+    # a mirrored map has each summit several times
     above = above[tuple(slice(max(n // images, 1)) for n in above.shape)]
     rounding = 1e-12 * float(np.abs(values).max(initial=0.0))
     reach = np.arange(-(around // 2), around // 2 + 1)
@@ -100,6 +103,7 @@ def _highest(values: np.ndarray, top: int, around: int, images: int) -> tuple[li
             break
         heights.append(float(above[position]))
         positions.append(position)
+        # its neighbourhood is one summit
         above[np.ix_(*((i + reach) % n for i, n in zip(position, above.shape, strict=True)))] = -np.inf
     return heights + [0.0] * (_COMPARED - len(heights)), positions[0] if positions else ()
 
@@ -109,6 +113,7 @@ def _chance(heights: list[float]) -> float:
     tail = [height for height in heights if height]
     if len(tail) < 3:
         return float(len(tail) - 1)  # alone, or one of two, of which neither stands out
+    # spacings of an exponential tail, times their rank, are alike (Rényi)
     spacings = np.arange(1, len(tail)) * -np.diff(tail)
     remaining = float(spacings[1:].sum())
     return (1 + float(spacings[0]) / remaining) ** -(len(tail) - 2) if remaining else float(spacings[0] == 0)

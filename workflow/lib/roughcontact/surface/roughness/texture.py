@@ -48,6 +48,7 @@ def autocorrelation(height: xr.DataArray, power: np.ndarray | None = None) -> np
     if not power.any():
         return np.full(height.shape, math.nan)
     correlation = np.empty(height.shape)
+    # Wiener and Khinchin: the transform of the power spectrum
     make_plan(correlation, DOUBLE).inverse(power.astype(complex), correlation)
     correlation /= float(correlation[0, 0])
     return np.fft.fftshift(correlation)
@@ -105,6 +106,8 @@ def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) ->
         aspect = shortest / longest
         theta, power = angular_spectrum(height, power)
         result |= {
+            # where it falls nowhere in some direction the ratio is an upper limit, which tells a lay but no
+            # isotropy
             "Str": aspect if decays or aspect <= LAY else math.nan,
             "Std": float(theta[np.argmax(power)]),
         }
@@ -167,7 +170,7 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
     fallen, open_ends = [], []
     for angle in angles:
         direction = np.sin(angle), np.cos(angle)
-        reach = min(
+        reach = min(  # half a period: beyond it the autocorrelation repeats
             n / 2 * d / abs(u) if n > 1 else math.inf
             for n, d, u in zip(correlation.shape, spacing, direction, strict=True)
             if abs(u) > 1e-12
@@ -186,6 +189,7 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
         below = np.nonzero(ray <= DECAY)[0]
         if below.size:
             index = below[0]
+            # linear between the two points, a quarter of a pixel apart
             share = (ray[index - 1] - DECAY) / (ray[index - 1] - ray[index])
             fallen.append(distance[index - 1] + share * (distance[index] - distance[index - 1]))
         else:

@@ -74,7 +74,7 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     if exponents.size == 0 or not np.ptp(values):
         return {}
     profile = dimensions(values.shape) == 1
-    steep = exponents < MAX_GRADIENT + profile
+    steep = exponents < MAX_GRADIENT + profile  # areal: a profile's exponent is larger by one
     fall = int(np.argmax(steep) if steep.any() else np.argmin(exponents))
     pitches = [d for n, d in zip(values.shape, steps, strict=True) if n > 1]
     floor, top = _floor(power, frequency)
@@ -82,6 +82,7 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     curvatures = _normal_curvatures(slopes, seconds)
     return {
         "spectrum_exponent": float(exponents.min()) - profile,
+        # a frequency of 1 is two pixels
         "spectrum_end": float(2 * max(pitches) / wavelengths[fall]),
         "spectrum_bend": _bend(bands),
         "rounded_peaks": float(np.mean([_roundness(curvature) for curvature in curvatures])),
@@ -99,12 +100,14 @@ def repeated_heights(values: np.ndarray) -> float:
     A median filter takes every height from a pixel nearby. About 1 for quantised heights, 0 where no height
     is repeated, for fewer than 1000 steps and for coarsely quantised heights.
     """
+    # every n-th row: neighbours along x stay neighbours
     rows = values[:: max(1, values.size // _SAMPLE)]
     with np.errstate(invalid="ignore"):  # between infinite heights, which are missing
         step = np.abs(np.diff(rows, axis=1)).ravel()
     step = step[np.isfinite(step)]
     if step.size < 1000 or not step.any():
         return 0.0
+    # steps of rounding are steps of zero
     distinct_steps = step[step > _STEP_TOLERANCE * np.median(step[step > 0])]
     median, quantum = np.median(distinct_steps), np.quantile(distinct_steps, _SMALLEST)
     if quantum > _COARSE * median:
@@ -133,7 +136,7 @@ def _bands(power: np.ndarray, frequency: np.ndarray) -> _Bands:
     in_bands = [values[sampled_band == k] for k in range(number)]
     median = np.array([np.median(in_band) if in_band.size else np.nan for in_band in in_bands])
     sufficient = np.where(count >= _WAVES, 1.0, np.nan)
-    mean = total / np.maximum(count, 1)
+    mean = total / np.maximum(count, 1)  # a band without waves has no mean, and no division by zero
     # a few strong waves, as of a texture, tell little of the others
     error = np.sqrt(squares) / np.where(total > 0, total, np.nan)
     return _Bands(*((statistic * sufficient)[1:-1] for statistic in (mean, median, error)))
@@ -147,6 +150,7 @@ def _exponents(bands: _Bands) -> tuple[np.ndarray, np.ndarray]:
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         falls = [np.log2(power[_ACROSS:] / power[:-_ACROSS]) / (_ACROSS / 4) for power in bands[:2]]
+    # the less steep of mean and median: a few strong waves change the one, a noise floor the other
     exponents = np.fmax(*falls)
     wavelengths = np.sqrt(_EDGES[1 + _ACROSS :] * _EDGES[: -1 - _ACROSS])
     is_valid = (wavelengths >= _LOWEST) & np.isfinite(exponents)
@@ -185,6 +189,7 @@ def _floor(power: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:
 
 
 def _derivatives(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    # points far apart, whose derivatives are hardly correlated
     """Return first and second derivatives along each axis at some points of the map."""
     stride = max(1, values.size // _SAMPLE)
     sample = values.ravel()[::stride]
@@ -203,6 +208,7 @@ def _normal_curvatures(slopes: list[np.ndarray], seconds: list[np.ndarray]) -> l
     A tip of radius R leaves no peak with a curvature below -1/R (Villarrubia 1997, J. Res. NIST 102, 425);
     the second derivative does fall below it, on slopes.
     """
+    # the normal is tilted against the z axis
     length = np.sqrt(1 + sum(slope**2 for slope in slopes))
     return [curvature / (1 + slope**2) / length for slope, curvature in zip(slopes, seconds, strict=True)]
 
@@ -214,12 +220,13 @@ def _roundness(curvature: np.ndarray) -> float:
     grow where a tip has bounded the curvature of the peaks: many then have the curvature of the tip.
     """
     peak, shoulder, valley = np.quantile(curvature, (_TAIL, _SHOULDER, 1 - _TAIL))
-    if not peak < shoulder < 0 < valley:
+    if not peak < shoulder < 0 < valley:  # not a shape of which peaks and valleys are the two tails
         return 0.0
     return float(np.log2(valley / -peak) + np.log2(_TAIL_OVER_SHOULDER * shoulder / peak))
 
 
 def _pixel_roughness(seconds: list[np.ndarray], pitches: list[float]) -> float:
     """Return the rms height (m) of the white noise that has the second derivatives of a map."""
+    # of white noise second differences have six times the variance of the heights
     variances = [np.mean(derivative**2) * d**4 / 6 for derivative, d in zip(seconds, pitches, strict=True)]
     return float(np.sqrt(min(variances)))

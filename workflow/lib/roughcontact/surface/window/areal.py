@@ -45,6 +45,7 @@ def parameters(height: xr.DataArray) -> xr.Dataset:
     >>> f"{result['Sq'].item():.3g} {result['Sq'].attrs['units']}, {result['Sal'].item():.3g} m"
     '7.07e-07 m, 3.49e-06 m'
     """
+    # spectral parameters need a period, and those of height are of the same part of the map
     window = periodic_window(height)
     height_numbers = {name: window.attrs[name] for name in HEIGHT_PARAMETERS}
     return describe(xr.Dataset(height_numbers | texture_parameters(window)))

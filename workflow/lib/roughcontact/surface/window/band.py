@@ -37,6 +37,7 @@ def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
     >>> reliable_wavelength(height.assign_attrs(instrument="{}"))
     (2e-06, 'two pixels')
     """
+    # of oblong pixels the longer side limits
     pitch = max(d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1)
     limits = [(2 * pitch, "two pixels")]
     aperture = numerical_aperture(json_attribute(height.attrs, "instrument"))
@@ -89,8 +90,10 @@ def limit_band(
     shortest, reason = max(cutoffs, default=(None, GRID))
     step = spacing(window)
     q = wavenumbers(window.shape, step)
+    # the mean is no wave, and stays
     outside = _outside(q, shortest, longest)
     values, removed_power = window.values, np.zeros(q.shape)
+    # heights less the first one: a flat map keeps exactly no waves
     if outside.any():
         spectrum = np.where(outside, np.fft.rfft2(values - values.flat[0]), 0.0)
         removed_power = halfplane_weights(values.shape) * np.abs(spectrum / values.size) ** 2
@@ -100,6 +103,7 @@ def limit_band(
                 f"{shortest or 0:g} m and {longest or math.inf:g} m: widen the band "
                 "(window.shortest_wavelength, window.longest_wavelength, window.reliable_band)"
             )
+        # what lies outside is taken away, so that heights within the band keep all their digits
         values = values - np.fft.irfft2(spectrum, s=values.shape)
     sides = [(n * d, d) for n, d in zip(window.shape, step, strict=True) if n > 1]
     grid = 2 * min(pitch for _, pitch in sides)
@@ -129,6 +133,7 @@ def removed_by_band(q: np.ndarray, attrs: Mapping[str, Any]) -> np.ndarray:
 def _outside(q: np.ndarray, shortest: float | None, longest: float | None) -> np.ndarray:
     """Return which wavenumbers (rad/m) lie outside a band of wavelengths (m)."""
     outside = q > (2 * np.pi / shortest * (1 + _RELATIVE_MARGIN) if shortest else math.inf)
+    # a wave of the map exactly at a limit stays in the band
     return outside | (q > 0) & (q < (2 * np.pi / longest * (1 - _RELATIVE_MARGIN) if longest else 0.0))
 
 
@@ -173,5 +178,6 @@ def numerical_aperture(instrument: Mapping) -> float | None:
     """
     if "numerical_aperture" in instrument:
         return float(instrument["numerical_aperture"])
+    # as instrument software writes it into comments
     match = re.search(r"\bNA\s*[:=]?\s*(0?\.\d+|1\.[0-5]\d*)", str(instrument.get("comment", "")))
     return float(match[1]) or None if match else None

@@ -15,6 +15,7 @@ def finite_body(
     """Return a map (y, x; m) on a paraboloid of one radius or two (m; along x, y), or ending at its edges."""
     heights, steps = roughness.values.astype(float), spacing(roughness)
     if radius:
+        # the top of the form is in the middle of the map
         y, x = ((np.arange(n) - (n - 1) / 2) * d for n, d in zip(heights.shape, steps, strict=True))
         heights = heights - x**2 / (2 * radius[0]) - y[:, None] ** 2 / (2 * radius[-1])
     return roughness.copy(data=heights).assign_attrs(form_attributes(radius, edges))

@@ -44,6 +44,7 @@ def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> Non
     """Refuse statements about an instrument that cannot be true of a map (y, x; m)."""
     sides = [(n * step, step) for n, step in zip(window.shape, spacing(window), strict=True) if n > 1]
     length, pixel = (max(values) for values in zip(*sides, strict=True))
+    # in the band of the window less noise remains than is stated of single points
     rms_height, (noise, _) = float(window.std()), noise_that_remains(window, 1.0)
     for key, value in instrument.items():
         if key != "finer_spectrum" and value is not None and not value >= 0:
@@ -83,6 +84,7 @@ def stated_instrument(height: xr.DataArray, settings: Mapping[str, Any] | None) 
     of_file = numerical_aperture(json_attribute(height.attrs, "instrument"))
     values |= Instrument.read(height.attrs).properties()
     counts = values.get("correct") and of_file
+    # the lens of the file counts only where nobody states another limit
     if counts and not any(values.get(key) for key in ("numerical_aperture", "resolution", "tip_radius")):
         values["numerical_aperture"] = of_file
     return {key: value for key, value in values.items() if value is not None and key != "correct"}

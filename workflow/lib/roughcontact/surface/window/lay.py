@@ -22,23 +22,27 @@ def lay_period(values: np.ndarray, axis: int) -> float | None:
     0.8 of the highest one; that must reach 0.3, and more than four periods must fit into the map.
     """
     lines = np.moveaxis(values, axis, -1)
-    lines = lines[:: max(1, len(lines) // _MAX_LINES)]
+    lines = lines[:: max(1, len(lines) // _MAX_LINES)]  # so many lines show a period as well as all of them
     points = lines.shape[-1]
     lines = lines - lines.mean(axis=1, keepdims=True)
     reach = points // _MIN_PERIODS
+    # by the number of pairs at each shift, so that the correlation does not fall with it
     correlation = sums_of_products(lines)[: reach + 1] / (points - np.arange(reach + 1))
+    # the maximum at shift 0 ends where the correlation changes sign
     negative = np.nonzero(correlation < 0)[0]
     if not negative.size:
         return None
     later = correlation[negative[0] :]
     if later.max() < _MIN_CORRELATION * correlation[0]:
         return None
+    # later maxima may be a little higher by chance; the first that is nearly as high is one period
     top = negative[0] + int(np.argmax(later >= _MAXIMUM_SHARE * later.max()))
     while top < reach and correlation[top + 1] > correlation[top]:
         top += 1
     if top == reach:
         return None
     lower, peak, upper = correlation[top - 1 : top + 2]
+    # the vertex of the parabola through the maximum and its neighbours
     return float(top + (lower - upper) / (2 * (lower - 2 * peak + upper)))
 
 

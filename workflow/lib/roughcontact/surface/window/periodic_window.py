@@ -135,6 +135,7 @@ def periodic_window(
     missing = bool(np.isnan(values).any())
     del values  # memory may not hold more than is needed of a large map
     cut_map, periodic_map = _cut_out(levelled, cut, method=method, width=width)
+    # over the cut alone: a mirrored map is larger, and its images change nothing
     change = periodic_map.values[: cut_map.shape[0], : cut_map.shape[1]] - cut_map.values
     return _record(
         periodic_map.assign_attrs(levelled.attrs),
@@ -142,6 +143,7 @@ def periodic_window(
         correct_for,
         method=method,
         change=float(np.sqrt(np.mean(np.square(change, out=change)))),
+        # without the seams, which the part does not have where it was measured
         gradient_before=interior_rms_gradient(cut_map),
         offset=[(s + b // 2) * d for s, b, d in zip(cut.start, cut.band, spacing(levelled), strict=True)],
         share=math.prod(cut.used) / levelled.size,
@@ -178,6 +180,7 @@ def _cut_out(
     )
     heights, flags = _made_periodic(part, method, band, width, step)
     coords = {
+        # from the first point in even steps, as a mirrored map has no coordinates to take over
         d: xr.Variable(d, cut_map[d].values[0] + s * np.arange(n), part[d].attrs)
         for d, s, n in zip("yx", step, heights.shape, strict=True)
     }
@@ -240,6 +243,7 @@ def _made_periodic(
     if method == "raw":
         return heights, flags
     if flags.any():  # a blended point counts as filled where a filled one contributes to it
+        # rounding of the blend is no contribution
         flags = (periodisation.cross_fade(flags.astype(float), band) > 1e-9).astype(np.int8)
     else:
         flags = np.zeros([n - b for n, b in zip(flags.shape, band, strict=True)], dtype=np.int8)
@@ -286,6 +290,7 @@ def _record(
     """Return the band-limited window with a record of all changes in its attributes."""
     whole_gradient, rms = rms_gradient(periodic), float(np.std(periodic.values))
     window = as_measured = limit_band(periodic, **waves)
+    # the band is cut after the correction, which restores waves beyond it, too
     if correct_for:
         window = limit_band(corrected(periodic, correct_for), **waves)
         window.attrs["rms_gradient_uncorrected"] = whole_gradient

@@ -49,14 +49,16 @@ def _is_seamless(values: np.ndarray) -> bool:
     step, bend = np.zeros((2, columns))
     for start in range(0, len(values), _ROWS_PER_BLOCK):  # to save memory
         rows = values[start : start + _ROWS_PER_BLOCK]
+        # two columns more: one for the seam, one for the change of slope behind it
         steps = np.diff(np.concatenate([rows, rows[:, :2]], axis=1), axis=1)
         step += np.sum(steps[:, :columns] ** 2, axis=0)
         bend += np.sum(np.diff(steps, axis=1) ** 2, axis=0)
     step, bend = (np.sqrt(squares / len(values)) for squares in (step, bend))
     # interior pairs first; the seam is the last step, and the last two changes of slope
     rms_step = np.sqrt(np.mean(step[:-1] ** 2))
-    if rms_step > 1.2 * np.std(values):
+    if rms_step > 1.2 * np.std(values):  # white from point to point: any seam is as good as the steps inside
         return False
+    # a line of few points has a wide scatter of its steps
     allowance = 1.2 + 1.5 / np.sqrt(values.shape[0])
     rounding = 1e-12 * np.ptp(values)
     return all(
@@ -73,6 +75,7 @@ def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.nda
     / pitch^2. The mean is unchanged.
     """
     ny, nx = values.shape
+    # in pixels of the finer pitch: Moisan's equation for oblong pixels
     wy, wx = (min(spacing) / np.asarray(spacing)) ** 2
     source = np.zeros(values.shape)
     step_y = wy * (values[-1, :] - values[0, :])
@@ -84,7 +87,7 @@ def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.nda
     qy = 2 * np.pi * np.fft.fftfreq(ny)[:, None]
     qx = 2 * np.pi * np.fft.rfftfreq(nx)[None, :]
     laplacian = -4 * (wy * np.sin(qy / 2) ** 2 + wx * np.sin(qx / 2) ** 2)
-    laplacian[0, 0] = 1.0
+    laplacian[0, 0] = 1.0  # any value: the smooth component has no mean
     spectrum = np.fft.rfft2(source)
     del source  # memory may not hold more than is needed of a large map
     spectrum /= laplacian
@@ -124,9 +127,11 @@ def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool =
             blend = weight * start_values + (1 - weight) * last
             if keep_variance:
                 product = weight * (1 - weight)
+                # weights w and 1 - w of parts of correlation c leave the variance 1 - 2 w (1 - w) (1 - c)
                 blend /= np.sqrt(1 - 2 * product * (1 - correlations[axis]))
             values = np.concatenate([blend, values[..., points:length]], axis=-1)
             del start_values, last, blend
+            # half of the band at each end, so that the window lies in the middle of its part
             values = np.moveaxis(np.roll(values, -(points // 2), axis=-1), -1, axis)
     values += mean
     return values
@@ -168,7 +173,7 @@ def _gaussian_mean(values: np.ndarray, deviations: Sequence[float]) -> np.ndarra
     """
     from scipy.fft import dctn, idctn
 
-    series = dctn(values)
+    series = dctn(values)  # a cosine series is that of the map continued by its mirror image
     for axis, (points, deviation) in enumerate(zip(values.shape, deviations, strict=True)):
         transmission = np.exp(-((np.pi * np.arange(points) * deviation / points) ** 2) / 2)
         series *= np.expand_dims(transmission, 1 - axis)

@@ -26,7 +26,7 @@ def largest_rectangle(good: np.ndarray, sides: np.ndarray) -> tuple[int, int, in
         # one past the last bad cell to the left, and the first bad cell to the right
         left_edge = np.maximum.accumulate(np.where(row_good, 0, columns + 1))
         to_right = np.minimum.accumulate(np.where(row_good, nx, columns)[::-1])[::-1]
-        tall = np.where(row_good, tall + 1, 0)
+        tall = np.where(row_good, tall + 1, 0)  # height of the column of good points that ends in this row
         x_left = np.where(row_good, np.maximum(x_left, left_edge), 0)
         right = np.where(row_good, np.minimum(right, to_right), nx)
         area = np.where(row_good, sides[tall] * sides[right - x_left], 0)
@@ -37,6 +37,7 @@ def largest_rectangle(good: np.ndarray, sides: np.ndarray) -> tuple[int, int, in
         height, width, x0 = tall[equal], right[equal] - x_left[equal], x_left[equal]
         off_y, off_x = 2 * (row + 1) - height - ny, 2 * x0 + width - nx  # twice the distance to the middle
         distance = off_y.astype(float) ** 2 + off_x.astype(float) ** 2
+        # of windows of equal area the one in the largest rectangle, then the one nearest to the middle
         top = np.lexsort((distance, -height * width))[0]
         rank = (float(-height[top] * width[top]), float(distance[top]))
         if largest > best_area or rank < best_rank:

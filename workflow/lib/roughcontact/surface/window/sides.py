@@ -55,6 +55,7 @@ def band_points(side: int, fade: float, *, length: int | None = None) -> int:
 
 def _largest_side(points: int, fade: float) -> int:
     """Return the largest side that, together with its band, fits into a number of points."""
+    # an upper limit, which rounding of the band may lower by a point or two
     side = int(points / (1 + fade)) + 1
     while side > 1 and side + band_points(side, fade) > points:
         side -= 1
@@ -70,4 +71,5 @@ def _side_score(side: int) -> float:
     coarsest = side
     while coarsest % 2 == 0 and coarsest > _COARSEST_SIDE:
         coarsest //= 2
+    # for each missing factor of two the side may be two percent shorter
     return math.log(side) - _HALVING_BENEFIT * max(0.0, math.log2(coarsest / _COARSEST_SIDE))

@@ -45,9 +45,11 @@ def transfer(frequency: np.ndarray, instrument: Mapping[str, Any]) -> np.ndarray
     """
     share = np.ones_like(frequency)
     if aperture := instrument.get("numerical_aperture"):
+        # beyond the cut-off nothing passes
         v = np.clip(frequency * (instrument.get("wavelength") or LIGHT_WAVELENGTH) / (2 * aperture), 0.0, 1.0)
         share = share * 2 / np.pi * (np.arccos(v) - v * np.sqrt(1 - v**2))
     if resolution := instrument.get("resolution"):
+        # half of the amplitude at the resolution, a Gaussian
         share = share * 0.5 ** ((frequency * resolution) ** 2)
     return share
 
@@ -62,6 +64,7 @@ def shortest_transmitted(instrument: Mapping[str, Any]) -> float:
     """
     scale = instrument.get("resolution") or 0.0
     if aperture := instrument.get("numerical_aperture"):
+        # the cut-off of a lens, two apertures per wavelength of its light, is at half of this scale
         scale = max((instrument.get("wavelength") or LIGHT_WAVELENGTH) / aperture, scale)
     if not scale:
         return 0.0
@@ -95,12 +98,15 @@ def restored(
     power = np.abs(spectrum) ** 2
     floor = of_noise = values.size * (noise * _share_kept(window, q)) ** 2  # at each frequency
     hidden = share < 0.01
+    # what is there where nothing can have been transmitted is noise
     if hidden.any():
         floor = np.maximum(floor, float(np.median(power[hidden])))
+    # the mean over waves of about one length tells signal from noise
     rings = np.rint(frequency / frequency.max() * max(values.shape)).astype(int)
     mean = (np.bincount(rings.ravel(), power.ravel()) / np.maximum(np.bincount(rings.ravel()), 1))[rings]
     gain = np.where((mean >= 2 * floor) & ~hidden, 1 / np.maximum(share, MIN_TRANSFER), 1.0)
     if equalise:
+        # of a noisy power the share that is signal: Wiener's filter, as an amplitude
         gain *= np.sqrt(np.maximum(1 - np.divide(of_noise, mean, out=np.ones_like(mean), where=mean > 0), 0))
         gain[0, 0] = 1.0  # the mean height
     return window.copy(data=np.fft.irfft2(spectrum * gain, s=values.shape))
@@ -137,7 +143,7 @@ def undone(window: xr.DataArray, instrument: Mapping[str, Any]) -> dict[str, xr.
 
 def add_noise(window: xr.DataArray, noise: float, *, seed: int = 0) -> xr.DataArray:
     """Return a map plus white noise (m, rms; negative: the opposite draw), filtered as the map was."""
-    draw = noise * np.random.default_rng((_STREAM, seed)).standard_normal(window.shape)
+    draw = noise * np.random.default_rng((_STREAM, seed)).standard_normal(window.shape)  # a stream of its own
     share = _share_kept(window, wavenumbers(window.shape, spacing(window)))
     return window.copy(data=window.values + np.fft.irfft2(np.fft.rfft2(draw) * share, s=draw.shape))
 
@@ -196,6 +202,7 @@ def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
     for start in range(0, len(values), rows):
         block = surface[start : start + rows]
         neighbourhood = around[start : start + len(block) + 2 * halves[0]]
+        # a shift that lowers no point of the block need not be tried
         for i, j in np.argwhere((above < block.max() - neighbourhood.min()) & (above < tip_radius)):
             np.minimum(
                 block, neighbourhood[i : i + block.shape[0], j : j + block.shape[1]] + above[i, j], out=block
@@ -211,6 +218,7 @@ def unrounded(window: xr.DataArray, step: float) -> xr.DataArray:
     """
     from scipy.ndimage import convolve1d
 
+    # the surface was anywhere within half a step of what was recorded
     low, high = window.values - step / 2, window.values + step / 2
     smooth = window.values
     for _ in range(_SMOOTHINGS):
@@ -232,6 +240,7 @@ def reliability_length(window: xr.DataArray, tip_radius: float) -> float:
         scale = _FINEST_SCALE
         while scale <= min(_COARSEST_SCALE, points // 4):
             around = sum(np.roll(window.values, shift, axis) for shift in (-scale, scale))
+            # a tip of radius R bridges valleys that curve more than 1/R
             if (around - 2 * window.values).max() * 2 * tip_radius >= (scale * step) ** 2:
                 longest = max(longest, 2 * scale * step)
             scale *= 2
