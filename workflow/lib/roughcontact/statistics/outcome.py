@@ -83,8 +83,8 @@ def worst_result(checks: Iterable[Check], *answers: str) -> str:
     It is a key of `VERDICTS`; notes count as passed, and `review` stands where no check was made.
     """
     relevant = set(answers or (name for name, answer in ANSWERS.items() if answer.main))
+    # a note does not count
     outcomes = {
-        # a note does not count
         PASSED if check.outcome == NOTE else check.outcome for check in checks if relevant & {*check.answers}
     }
     # without any check nothing was judged
