@@ -1026,6 +1026,13 @@ class TestPages:
             server.open_in_browser(address)
             browser.wait(f"location.href === '{address}' && document.querySelector('#preview pre')")
 
+    def test_a_page_says_that_the_program_has_ended(self, tmp_path, browser):
+        with served(tmp_path / "study") as address:
+            browser.open(address)
+            browser.wait("document.querySelector('#preview pre')")
+        browser.wait("document.querySelector('#problem').textContent.startsWith('No answer: start')")
+        assert browser.problems == []
+
     def test_a_second_page_waits_until_the_first_is_closed(self, tmp_path, browser):
         with served(tmp_path / "study") as address:
             browser.open(address)
@@ -1142,7 +1149,7 @@ class TestPages:
                 "[...document.querySelectorAll('[name$=path]')].map(field => field.value)"
             )
             assert sorted(filter(None, paths)) == sorted(f"measured/{path.name}" for path in files)
-            assert browser.evaluate("document.scripts.length") == 2
+            assert browser.evaluate("document.scripts.length") == 1
             assert browser.text("#problem") == ""
             assert browser.problems == []
         assert sorted(path.name for path in (study / "measured").iterdir()) == sorted(p.name for p in files)
@@ -1162,7 +1169,7 @@ class TestPages:
             browser.type("measured")
             browser.press("Enter")
             rows_read(browser, 3)
-            assert browser.text("#added").strip() == "3 added; left out, as no measurements: none"
+            assert browser.text("#added").strip() == "3 added"
             # what the array does not say has a field for each
             for column, text in (("dx", "1 um"), ("dy", "1 um"), ("unit", "um")):
                 browser.tab_to(f".row [name$='.{column}']")

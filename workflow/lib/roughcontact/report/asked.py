@@ -34,7 +34,7 @@ def _plain(changes: Sequence[str]) -> Iterator[str]:
     """Yield settings in the words of their keys: "seal: pressure difference 500 kPa"."""
     for change in changes:
         section, _, text = change.partition(".")
-        yield (text if section in ("contact", "statistics") else change).replace("_", " ")
+        yield (text if section in ("contact", "statistics") else f"{section} {text}").replace("_", " ")
 
 
 def same_loads(settings: Mapping[str, Any]) -> bool:

@@ -153,7 +153,8 @@ def further(paths: Sequence[str], rows: Sequence[Row]) -> tuple[list[Row], str]:
     present = {row.get("path") for row in rows}
     new = rows_of([file for file in files if file not in present], present=rows)
     known = f", {len(files) - len(new)} there already" if len(files) > len(new) else ""
-    return new, f"{len(new)} added{known}; left out, as no measurements: {', '.join(omissions) or 'none'}"
+    left_out = f"; left out, as no measurements: {', '.join(omissions)}" if omissions else ""
+    return new, f"{len(new)} added{known}{left_out}"
 
 
 async def save_upload(name: str, content: AsyncIterable[bytes]) -> str:
