@@ -110,19 +110,19 @@ def usable_loads(numbers: xr.Dataset) -> list[int]:
 def asked_columns(results: Sequence[xr.Dataset]) -> list[int]:
     """Return the places in `HEADINGS` of the load and of what any of some surfaces is asked for.
 
+    The largest pressure that is allowed is asked for beside the usual numbers.
+
     Examples
     --------
-    >>> seal = xr.Dataset({"leak_rate_x": ("load", [1e-9])})
-    >>> [HEADINGS[place] for place in asked_columns([seal])[1:]], asked_columns([xr.Dataset()])
-    (['seals?'], [0, 1, 2, 3])
+    >>> seal, bearing = xr.Dataset({"leak_rate_x": ("load", [1e-9])}), xr.Dataset({"allowed_pressure": 1e9})
+    >>> [[HEADINGS[place] for place in asked_columns([result])[1:]] for result in (seal, bearing)]
+    [['seals?'], ['contact area', 'pressure in contact', 'mean gap', 'largest pressure']]
     """
-    numbers_asked = {
-        name
-        for numbers in results
-        for name in [key for key, by in ASKED_BY.items() if any(has_number(numbers, one) for one in by)]
-        or USUAL
-    }
-    return [0, *(column for column, name in enumerate(COLUMN_NAMES, 1) if name in numbers_asked)]
+    names_asked: set[str] = set()
+    for numbers in results:
+        names = {key for key, by in ASKED_BY.items() if any(has_number(numbers, name) for name in by)}
+        names_asked |= names if names - {PEAK} else {*USUAL, *names}
+    return [0, *(column for column, name in enumerate(COLUMN_NAMES, 1) if name in names_asked)]
 
 
 def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell]) -> str:
