@@ -21,7 +21,7 @@ from roughcontact.study.surfaces import find
 from roughcontact.study.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 from roughcontact.io.guards import listed
-from roughcontact.io.notes import write_notes
+from roughcontact.study.notes import write_notes
 from roughcontact.study.garbage import collect_rarely
 
 # a plan of thousands of jobs is millions of objects that stay: no garbage is looked for until it is complete (onstart)

@@ -27,9 +27,9 @@ from roughcontact.errors import (
     SettingsError,
     path_message,
 )
-from roughcontact.io.checksums import checksum
-from roughcontact.io.notes import write_notes
+from roughcontact.study.checksums import checksum
 from roughcontact.study.garbage import collect_rarely
+from roughcontact.study.notes import write_notes
 from roughcontact.study.places import check_dates
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from roughcontact.errors import InputFileError, RoughContactError
-from roughcontact.io.checksums import checksum
+from roughcontact.study.checksums import checksum
 from roughcontact.study.places import PARTIAL, date_back
 from roughcontact.study.plan import Plan
 from roughcontact.study.study import read_study

@@ -5,9 +5,9 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-from roughcontact.io.checksums import checksum
-from roughcontact.io.notes import note, noted
+from roughcontact.study.checksums import checksum
 from roughcontact.study.dependencies import PACKAGE, source_digest
+from roughcontact.study.notes import note, noted
 
 NOTED = Path(".snakemake/roughcontact-readers")
 

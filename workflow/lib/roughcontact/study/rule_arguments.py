@@ -9,7 +9,7 @@ from typing import Any
 
 from roughcontact.arguments.bodies import relaxation_table
 from roughcontact.arguments.lays import lay_facts
-from roughcontact.io.checksums import checksum
+from roughcontact.study.checksums import checksum
 from roughcontact.study.dependencies import source_digest
 from roughcontact.study.places import PARTIAL
 from roughcontact.study.plan import STAGES, Plan, Rule, split

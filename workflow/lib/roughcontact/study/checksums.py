@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from roughcontact.io.guards import file_state, sha256
-from roughcontact.io.notes import note, noted
+from roughcontact.study.notes import note, noted
 
 NOTED = Path(".snakemake/roughcontact-checksums")
 # ns without a change after which the dates of the next change differ: FAT counts them by two seconds

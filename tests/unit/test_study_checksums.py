@@ -11,9 +11,9 @@ from measured_files import GIVEN, array, refuses, saved
 
 from roughcontact import read_height_map
 from roughcontact.errors import InputFileError
-from roughcontact.io import notes
-from roughcontact.io.checksums import checksum
 from roughcontact.io.guards import file_state, sha256, unchanged
+from roughcontact.study import notes
+from roughcontact.study.checksums import checksum
 
 
 @pytest.fixture
