@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import h5py
+import netCDF4
 import numpy as np
 import pandas as pd
 import pytest
@@ -16,6 +17,7 @@ import xarray as xr
 
 import roughcontact
 from roughcontact.arguments.maps import height_map
+from roughcontact.arguments.variables import describe
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import (
     ConvergenceError,
@@ -37,6 +39,8 @@ from roughcontact.results.storage import (
     written_load_by_load,
 )
 from roughcontact.surface.synthetic import rough_reference_surface
+
+PRESSURE_BINS = {"units": "Pa", "long_name": "pressure", "bounds": "pressure_bin_bounds"}
 
 
 def small():
@@ -60,6 +64,37 @@ def test_lengths_in_another_unit_are_converted(tmp_path, as_dataset):
     np.testing.assert_allclose(dataset["height"], 1e-9 * np.eye(3))
     np.testing.assert_allclose(dataset["x"], [0.0, 5e-7, 1e-6])
     assert dataset.attrs.get("units", "m") == "m"
+
+
+def test_a_file_is_defined_as_xarray_would_define_it(tmp_path):
+    """Variables in one pass are those of `to_netcdf` in order, type, attributes, and room."""
+    axes = {"x": [0.0, 1.0], "source": ["solver", "window"], "mean_pressure": ("load", [1.0, 2.0])}
+    columns = {
+        "pressure": (("load", "y", "x"), np.random.default_rng(0).random((2, 2500, 2))),
+        "verdict": ("load", np.int8([0, 2])),
+        "mean_gap_uncertainty": (("load", "source"), np.float32([[np.nan, 1.0], [2.0, 3.0]])),
+        "pressure_density": (("load", "pressure_bin"), np.ones((2, 3))),
+        "pressure_bin_bounds": (("pressure_bin", "bounds"), np.zeros((3, 2))),
+    }
+    bins = xr.Variable("pressure_bin", [1.0, 2.0, 3.0], PRESSURE_BINS)
+    dataset = xr.Dataset(columns, axes | {"pressure_bin": bins, "contact_modulus": 1e9})
+    dataset = describe(dataset.assign_attrs(settings="{}", threads=2))
+    write_dataset(dataset, tmp_path / "own.nc")
+    encoding = {name: {"_FillValue": None} for name in dataset.coords} | {
+        "pressure": {"chunksizes": (1, 512, 2), "zlib": True, "complevel": 1, "_FillValue": np.nan}
+    }
+    dataset.to_netcdf(tmp_path / "theirs.nc", engine="netcdf4", encoding=encoding)
+    definitions = []
+    for name in ("own.nc", "theirs.nc"):
+        with netCDF4.Dataset(tmp_path / name) as file:
+            file.set_auto_maskandscale(False)
+            parts = (
+                (n, v.dtype, v.dimensions, v.__dict__, v.chunking(), v.filters(), v[...].tolist())
+                for n, v in file.variables.items()
+            )
+            sizes = {key: dimension.size for key, dimension in file.dimensions.items()}
+            definitions.append(repr([*parts, sizes, file.__dict__]))
+    assert definitions[0] == definitions[1]
 
 
 def test_equal_content_gives_equal_bytes(tmp_path):

@@ -19,3 +19,4 @@ for module in MODULES:
     import_module(module)
 import_module("roughcontact.io.registry").readers()
 import_module("roughcontact.report.template").read_all()
+import_module("roughcontact.results.storage").provenance({})  # versions and commit, which all files name

@@ -7,7 +7,7 @@ import platform
 import re
 import shutil
 import subprocess
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -169,19 +169,54 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
 
 def _write(dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w") -> None:
     """Write a described dataset to a file, or beside what it holds, and the checksum of all of it."""
-    encoding: dict[Hashable, dict[str, Any]] = {}
-    for name, variable in dataset.variables.items():
-        encoding[name] = {"_FillValue": None}
-        if name in dataset.data_vars and np.issubdtype(variable.dtype, np.floating):
-            encoding[name] = {"_FillValue": np.nan}
-        if variable.dtype.kind not in "fiub":
-            continue
-        if variable.size >= _COMPRESSED_FROM:
-            encoding[name] |= _packed(str(name), variable)
+    from netCDF4 import Dataset
+
     dataset = _with_attributes(dataset.copy(deep=False), file_attributes)
-    with _uncached():
-        dataset.to_netcdf(path, engine="netcdf4", mode=mode, encoding=encoding)
+    with _uncached(), Dataset(path, mode) as file:
+        _define(file, dataset)
+        # unlike in `to_netcdf` after all definitions: each return to them goes through all variables again
+        for name, variable in dataset.variables.items():
+            is_text = variable.dtype.kind == "U"
+            file[str(name)][...] = variable.values.astype(object) if is_text else variable.values
     seal(path)
+
+
+def _define(file: "netCDF4.Dataset", dataset: xr.Dataset) -> None:
+    """Define the variables of a dataset that a file does not have yet, and their attributes."""
+    variables = dataset.variables
+    auxiliary = {name: {*variables[name].dims} for name in dataset.coords if name not in dataset.dims}
+    remaining = {*auxiliary}  # coordinates of no variable are named by the file
+    # whose unit is that of the bins
+    bounds = {variable.attrs.get("bounds") for variable in variables.values()}
+    for dimension in dict.fromkeys(dim for variable in variables.values() for dim in variable.dims):
+        if dimension not in file.dimensions:
+            file.createDimension(str(dimension), dataset.sizes[dimension])
+    for name, variable in variables.items():
+        attached = {
+            coordinate
+            for coordinate, dims in auxiliary.items()
+            if name not in auxiliary and name not in variable.dims and dims <= {*variable.dims}
+        }
+        remaining -= attached
+        if name not in file.variables:
+            is_text, is_float = variable.dtype.kind in "UO", variable.dtype.kind == "f"
+            file.createVariable(
+                str(name),
+                str if is_text else variable.dtype,
+                [*map(str, variable.dims)],
+                fill_value=np.nan if is_float and name in dataset.data_vars else None,
+                **({} if is_text or variable.size < _COMPRESSED_FROM else _packed(str(name), variable)),
+            )
+        attrs = {key: value for key, value in variable.attrs.items() if key != "units" or name not in bounds}
+        file[str(name)].setncatts(_naming(attrs, attached))
+    file.setncatts(_naming(dataset.attrs, remaining))
+    file.set_auto_maskandscale(False)
+
+
+def _naming(attrs: Mapping[str, Any], coordinates: Iterable[Hashable]) -> dict[str, Any]:
+    """Return attributes that name coordinates, as CF does."""
+    names = " ".join(sorted(map(str, coordinates)))
+    return {**attrs, "coordinates": names} if names else {**attrs}
 
 
 def _with_attributes(
