@@ -5,6 +5,7 @@ import json
 import os
 import pty
 import re
+import shlex
 import subprocess
 import sys
 import threading
@@ -281,85 +282,44 @@ def test_a_profile_is_solved(capsys):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("line", "words"),
     [
-        ([], "the following arguments are required"),
-        (["solve"], "FILE"),
-        (["solve", PERIODIC], "give --contact-modulus"),
-        (["solve", "nowhere.x3p", "--contact-modulus", "1e9"], "nowhere.x3p: no such file"),
+        ("", "the following arguments are required"),
+        ("solve", "FILE"),
+        ("solve {P}", "give --contact-modulus"),
+        ("solve nowhere.x3p --contact-modulus 1e9", "nowhere.x3p: no such file"),
+        ("solve {P} --contact-modulus soft", "--contact-modulus = 'soft': "),
+        ("{E} --level-form plan", "did you mean plane?"),
+        ("{E} --window-method hann", "--window-method = 'hann'"),
+        ("solve {P} --body 1e9 0.3", "--body is given once; give it twice"),
+        ("{E} --colour red", "unrecognized arguments: --colour"),
         (
-            ["solve", PERIODIC, "--contact-modulus", "soft"],
-            "--contact-modulus = 'soft': ",
-        ),
-        (["solve", PERIODIC, "--contact-modulus", "1e9", "--level-form", "plan"], "did you mean plane?"),
-        (
-            ["solve", PERIODIC, "--contact-modulus", "1e9", "--window-method", "hann"],
-            "--window-method = 'hann'",
-        ),
-        (["solve", PERIODIC, "--body", "1e9", "0.3"], "--body is given once; give it twice"),
-        (
-            ["solve", PERIODIC, "--contact-modulus", "1e9", "--colour", "red"],
-            "unrecognized arguments: --colour",
-        ),
-        (
-            ["solve", PERIODIC, "--contact-modulus", "4.67", "Gpascal"],
+            "solve {P} --contact-modulus 4.67 Gpascal",
             "unrecognized arguments: Gpascal; write a number and its unit as one word: 5GPa; see",
         ),
-        (["solve", PERIODIC, "--contact-modulus", "1e9", "--mean-pressure", "0"], "--mean-pressure"),
-        (["solve", PERIODIC, "--contact-modulus", "1e9", "--dx", "1"], "is given without a unit"),
+        ("{E} --mean-pressure 0", "--mean-pressure"),
+        ("{E} --dx 1", "is given without a unit"),
+        ("{E} --body 1e9 0.3 --body 1e9 0.3", "argument --body: not allowed with argument --contact-modulus"),
         (
-            ["solve", PERIODIC, "--contact-modulus", "1e9", *("--body", "1e9", "0.3") * 2],
-            "argument --body: not allowed with argument --contact-modulus",
-        ),
-        (
-            [
-                "solve",
-                PERIODIC,
-                "--contact-modulus",
-                "1e9",
-                "--mean-pressure",
-                "1e6",
-                "--relative-pressure",
-                "1",
-            ],
+            "{E} --mean-pressure 1e6 --relative-pressure 1",
             "argument --relative-pressure: not allowed with argument --mean-pressure",
         ),
         (
-            [
-                *("solve", PERIODIC, "--contact-modulus", "1e9"),
-                *("--level-s-filter", "2mm", "--level-l-filter", "1 mm"),
-            ],
+            "{E} --level-s-filter 2mm --level-l-filter '1 mm'",
             "--level-s-filter = 0.002 m is not below --level-l-filter = 0.001 m",
         ),
-        (
-            ["solve", PERIODIC, "--contact-modulus", "1e9", "--mean-pressure", "3e6", "--hardness", "2e6"],
-            "--mean-pressure 3e+06 Pa ",
-        ),
-        (
-            ["solve", PERIODIC, "--contact-modulus", "115"],
-            "--contact-modulus = '115': 115 Pa ",
-        ),
-        (
-            ["solve", PERIODIC, "--contact-modulus", "115GPa", "--mean-pressure", "5MPa", "1"],
-            "--mean-pressure[1] = '1': 1.00 Pa ",
-        ),
-        (
-            ["solve", PERIODIC, *("--body", "210", "0.3") * 2],
-            "--body[0].youngs_modulus = '210': 210 Pa ",
-        ),
-        (
-            ["solve", PERIODIC, *("--body", "210GPa") * 2],
-            "--body 210GPa: has 1 values; give the name of a material",
-        ),
-        (
-            ["inspect", GROUND, "--dx", "one"],
-            "argument --dx: 'one' is neither a number nor a number with its unit",
-        ),
-        (["inspect", GROUND, "--dx", "1parsec"], "dx = '1parsec': unknown length unit 'parsec'"),
+        ("{E} --mean-pressure 3e6 --hardness 2e6", "--mean-pressure 3e+06 Pa "),
+        ("solve {P} --contact-modulus 115", "--contact-modulus = '115': 115 Pa "),
+        ("solve {P} --contact-modulus 115GPa --mean-pressure 5MPa 1", "--mean-pressure[1] = '1': 1.00 Pa "),
+        ("solve {P} --body 210 0.3 --body 210 0.3", "--body[0].youngs_modulus = '210': 210 Pa "),
+        ("solve {P} --body 210GPa --body 210GPa", "--body 210GPa: has 1 values; give the name of a material"),
+        ("inspect {G} --dx one", "argument --dx: 'one' is neither a number nor a number with its unit"),
+        ("inspect {G} --dx 1parsec", "dx = '1parsec': unknown length unit 'parsec'"),
     ],
 )
-def test_bad_input_ends_with_code_2_and_one_sentence(capsys, arguments, words):
-    code, out, err = said(capsys, *arguments)
+def test_bad_input_ends_with_code_2_and_one_sentence(capsys, line, words):
+    line = line.replace("{E}", "solve {P} --contact-modulus 1e9")
+    code, out, err = said(capsys, *(word.format(P=PERIODIC, G=GROUND) for word in shlex.split(line)))
     assert (code, out) == (2, "")
     assert words in err
     assert len(err.strip().split("\n")) == 1

@@ -373,7 +373,7 @@ def test_a_good_surface_passes_every_check(good):
 
 
 ADVICE = {
-    *("Average", "Check", "Compare", "Export", "Measure", "Remove", "See", "State", "Treat", "Unless", "Use"),
+    *("Average", "Check", "Compare", "Export", "Measure", "Remove", "See", "State", "Treat", "Unless", "Use")
 }
 
 
@@ -508,12 +508,7 @@ def test_rejected_outliers_are_no_missing_measurements(good):
 
 def test_rejections_are_judged_by_the_load_they_would_carry(good):
     levelled = {"outliers_rejected": 7}
-    for share, outcome in (
-        (0.0, PASSED),
-        (0.02, PASSED),
-        (0.021, NOTE),
-        (1.0, NOTE),
-    ):
+    for share, outcome in ((0.0, PASSED), (0.02, PASSED), (0.021, NOTE), (1.0, NOTE)):
         carried = good.assign(rejected_load_share=("load", [share, 0.0]))
         checks_by_name, _ = outcomes(carried, levelled=levelled)
         assert checks_by_name["Outliers"].outcome == outcome
@@ -633,34 +628,42 @@ def test_a_fine_map_keeps_its_share_of_contact_when_it_is_drawn_smaller():
 
 # --- in a browser ------------------------------------------------------------------------------------------
 
-PROBE = """
-<script>
-const problems = [];
-window.addEventListener("error", event => problems.push(String(event.message)), true);
-document.addEventListener("securitypolicyviolation", event => problems.push("blocked " + event.blockedURI));
-window.addEventListener("load", () => {
-  const images = [...document.images];
-  const result = {
-    problems,
-    images: images.length,
-    empty: images.filter(image => !(image.complete && image.naturalWidth > 0)).length,
-    sections: [...document.querySelectorAll("section.surface")].map(section => section.id),
-    requests: performance.getEntriesByType("resource").map(e => e.name).filter(n => !n.startsWith("data:")),
-    wide: document.documentElement.scrollWidth - window.innerWidth,
-  };
-  document.body.setAttribute("data-probe", JSON.stringify(result));
-});
-</script>
-"""
+
+def in_browser(test):
+    """Return a test that is skipped where there is no browser."""
+    absent = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+    return pytest.mark.browser(absent(test))
 
 
-@pytest.mark.browser
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+def script(name, **values):
+    """Return a script of the folder `scripts`, with values in place of their names in capitals."""
+    folder = Path(__file__).with_name("scripts")
+    text = (folder / f"{name}.html").read_text(encoding="utf-8")
+    values["UNTIL"] = (folder / "until.js").read_text(encoding="utf-8")
+    for key, value in values.items():
+        text = text.replace(key, str(value))
+    return text
+
+
+def chromium(folder, *arguments):
+    """Run the browser without a screen; return the process."""
+    options = ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run")
+    profile = f"--user-data-dir={folder / 'profile'}"
+    command = [CHROMIUM, *options, profile, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=180, check=True)
+
+
+def dumped(folder, address, *options, budget=20000):
+    """Show a page for some milliseconds of the browser's clock; return the process, its page on `stdout`."""
+    return chromium(folder, *options, f"--virtual-time-budget={budget}", "--dump-dom", address)
+
+
+@in_browser
 @pytest.mark.parametrize("width", [480, 1200])
 def test_page_in_a_browser(page, tmp_path, width):
     """The page, served with a probe in its head, must load nothing, break nothing and fit the window."""
     text = page.read_text(encoding="utf-8")
-    (tmp_path / "page.html").write_text(text.replace("<head>", "<head>" + PROBE), encoding="utf-8")
+    (tmp_path / "page.html").write_text(text.replace("<head>", "<head>" + script("probe")), encoding="utf-8")
     requests = []
 
     class Handler(http.server.SimpleHTTPRequestHandler):
@@ -670,23 +673,11 @@ def test_page_in_a_browser(page, tmp_path, width):
     handler = functools.partial(Handler, directory=str(tmp_path))
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
+    quiet = ("--disable-sync", "--disable-background-networking", "--disable-component-update")
+    address = f"http://127.0.0.1:{server.server_port}/page.html"
     try:
-        browser = subprocess.run(
-            [
-                CHROMIUM,
-                *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync"),
-                *("--disable-background-networking", "--disable-component-update"),
-                "--enable-logging=stderr",
-                f"--user-data-dir={tmp_path / 'profile'}",
-                f"--window-size={width},1000",
-                "--virtual-time-budget=10000",
-                "--dump-dom",
-                f"http://127.0.0.1:{server.server_port}/page.html",
-            ],
-            capture_output=True,
-            text=True,
-            timeout=180,
-            check=True,
+        browser = dumped(
+            tmp_path, address, *quiet, "--enable-logging=stderr", f"--window-size={width},1000", budget=10000
         )
     finally:
         server.shutdown()
@@ -703,32 +694,6 @@ def test_page_in_a_browser(page, tmp_path, width):
     assert result["sections"] == [f"surface-{name}" for name in SURFACES]
     assert result["wide"] <= 0
     assert not Path(tmp_path / "page_files").exists()
-
-
-INTRUDER = """
-<script>document.body.dataset.intruder = "script"</script>
-<img src="data:," onerror="document.body.dataset.intruder = 'handler'">
-<img src="https://example.org/a.png"><iframe src="https://example.org"></iframe>
-<form action="https://example.org"><button>go</button></form>
-<a id="intruder" href="javascript:document.body.dataset.intruder = 'link'">go</a>
-<style>body { color: rgb(1, 2, 3) }</style>
-"""
-INTRUDED = """
-<script>
-const blocked = [];
-document.addEventListener("securitypolicyviolation", event => blocked.push(event.effectiveDirective));
-window.addEventListener("load", () => {
-  document.getElementById("intruder").click();
-  setTimeout(() => {
-    const said = {
-      blocked, ran: document.body.dataset.intruder ?? "", colour: getComputedStyle(document.body).color,
-      buttons: document.querySelectorAll("button.enlarge").length,
-    };
-    document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
-  }, 500);
-});
-</script>
-"""
 
 
 def without_policy(text):
@@ -752,11 +717,10 @@ def test_every_page_has_the_policy_before_anything_that_it_admits():
         assert not re.search("<(script|style|link|img|body)", head)
 
 
-@pytest.mark.browser
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+@in_browser
 def test_the_policy_of_the_page_admits_nothing_but_the_page(page, tmp_path):
-    text = page.read_text(encoding="utf-8").replace("</main>", INTRUDER + "</main>")
-    report_of_page = said_by(text.replace("<head>", "<head>" + INTRUDED), tmp_path)
+    text = page.read_text(encoding="utf-8").replace("</main>", script("intruder") + "</main>")
+    report_of_page = said_by(text.replace("<head>", "<head>" + script("intruded")), tmp_path)
     assert not report_of_page["ran"]
     assert report_of_page["colour"] != "rgb(1, 2, 3)"
     assert report_of_page["buttons"] > 3  # the script of the page has run
@@ -764,98 +728,9 @@ def test_the_policy_of_the_page_admits_nothing_but_the_page(page, tmp_path):
     assert blocked_kinds <= set(report_of_page["blocked"])
 
 
-# Pictures are decoded in real time, while the browser's own clock runs ahead: some work between two looks
-UNTIL = """
-const until = async test => {
-  for (let look = 0; look < 500 && !test(); look++) {
-    for (let work = 0; work < 2e4; work++) Math.random();
-    await new Promise(done => setTimeout(done, 10));
-  }
-};
-"""
-
-FRAME_PROBE = """
-<script>
-UNTIL
-const frame = document.querySelector("iframe");
-frame.addEventListener("load", async () => {
-  const inside = frame.contentDocument, said = {};
-  const wide = element => element.scrollWidth - element.clientWidth;
-  inside.querySelectorAll("details.part").forEach(part => { part.open = true; });
-  said.page = wide(inside.documentElement);
-  said.tables = Math.max(...[...inside.querySelectorAll(".scroll")].map(wide));
-  said.heads = [...inside.querySelectorAll("th")].filter(head => !head.scope).length;
-  said.broken = [];
-  for (const head of inside.querySelectorAll("th")) {
-    for (const walk = inside.createTreeWalker(head, NodeFilter.SHOW_TEXT); walk.nextNode();) {
-      for (const word of walk.currentNode.data.matchAll(/\\S+/g)) {
-        const range = inside.createRange();
-        range.setStart(walk.currentNode, word.index);
-        range.setEnd(walk.currentNode, word.index + word[0].length);
-        if (new Set([...range.getClientRects()].map(box => box.top)).size > 1) said.broken.push(word[0]);
-      }
-    }
-  }
-  inside.addEventListener("securitypolicyviolation", event => said.blocked.push(event.effectiveDirective));
-  said.blocked = [];
-  said.captions = [...inside.querySelectorAll("table")].filter(table => !table.caption).length;
-  const seen = kind => [...inside.querySelectorAll(kind)].map(check => check.checkVisibility());
-  said.doubts = seen(".checks .review, .checks .failed");
-  said.passed = seen(".checks .passed");
-  const link = inside.querySelector("a[download]");
-  said.table = link && link.href;
-  const of_holes = kind => [...inside.images].filter(image => image.alt.startsWith(`${kind} of holes`));
-  const [map] = of_holes("Contact pressure"), [chart] = of_holes("Pressure against load");
-  const pairs = map.closest(".pairs"), slider = pairs.previousElementSibling.querySelector("input");
-  said.slid = [];
-  for (const load of [2, 1, 0]) {
-    slider.value = load;
-    slider.dispatchEvent(new frame.contentWindow.Event("input"));
-    const seen = of_holes("Contact pressure").map(image => image.checkVisibility());
-    said.slid.push([seen, slider.getAttribute("aria-valuetext"), pairs.children[load].textContent.trim()]);
-  }
-  // what is said beside the pointer, over a mark of a chart
-  const drawing = new DOMParser().parseFromString(decodeURIComponent(chart.src.slice(19)), "image/svg+xml");
-  const svg = drawing.documentElement, glyph = svg.querySelector("[data-of='largest'] path");
-  const mark = glyph.getAttribute("transform").match(/[\\d.]+/g).map(Number);
-  const [left, top] = JSON.parse(svg.dataset.reading).area, box = svg.getAttribute("viewBox").split(" ");
-  const on = chart.getBoundingClientRect();
-  const clientX = on.left + (left + mark[0]) / box[2] * on.width;
-  const clientY = on.top + (top + mark[1]) / box[3] * on.height;
-  const moved = { bubbles: true, clientX, clientY };
-  chart.dispatchEvent(new frame.contentWindow.PointerEvent("pointermove", moved));
-  await until(() => inside.querySelector(".tip").textContent);
-  said.read = inside.querySelector(".tip").textContent;
-  inside.getElementById("surface-sparse").scrollIntoView();
-  frame.contentWindow.dispatchEvent(new Event("scroll"));  // which no frame of a page without a screen brings
-  said.here = [...inside.querySelectorAll("nav [aria-current]")].map(link => link.textContent.trim());
-  map.closest("button").click();
-  const dialog = inside.querySelector("dialog");
-  await until(() => dialog.querySelector("p").textContent.includes("Point at the map"));
-  const drawn = dialog.querySelector("svg image");
-  said.opened = dialog.open;
-  const large = dialog.querySelector("svg").getBoundingClientRect();
-  said.larger = large.width / map.getBoundingClientRect().width;
-  said.values = [];
-  for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column += 7) {
-    const on = drawn.getBoundingClientRect();
-    const clientX = on.left + (column + 0.5) / COLUMNS * on.width;
-    const clientY = on.top + (row + 0.5) / ROWS * on.height;
-    const event = new frame.contentWindow.PointerEvent("pointermove", {bubbles: true, clientX, clientY});
-    dialog.querySelector("svg").dispatchEvent(event);
-    said.values.push([row, column, dialog.querySelector("p").textContent]);
-  }
-  dialog.querySelector("button").click();
-  said.closed = !dialog.open;
-  document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
-});
-</script>
-"""
-
-
 def said_in_a_frame(text, folder, *, width, rows, columns):
     """Show a page in a frame so many pixels wide; return what a script finds in it."""
-    probe = FRAME_PROBE.replace("UNTIL", UNTIL).replace("ROWS", str(rows)).replace("COLUMNS", str(columns))
+    probe = script("frame", ROWS=rows, COLUMNS=columns)
     frame = f'<iframe style="width:{width}px;height:900px;border:0" srcdoc="{html.escape(text)}"></iframe>'
     return said_by(f"<!DOCTYPE html><body>{frame}{probe}</body>", folder)
 
@@ -863,23 +738,11 @@ def said_in_a_frame(text, folder, *, width, rows, columns):
 def said_by(text, folder):
     """Return what the script of a page leaves in `data-said`."""
     (folder / "frame.html").write_text(text, encoding="utf-8")
-    browser = subprocess.run(
-        [
-            CHROMIUM,
-            *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--window-size=1500,1000"),
-            *(f"--user-data-dir={folder / 'profile'}", "--virtual-time-budget=20000", "--dump-dom"),
-            (folder / "frame.html").as_uri(),
-        ],
-        capture_output=True,
-        text=True,
-        timeout=180,
-        check=True,
-    )
+    browser = dumped(folder, (folder / "frame.html").as_uri(), "--window-size=1500,1000")
     return json.loads(unquote(re.search(r'data-said="([^"]*)"', browser.stdout)[1]))
 
 
-@pytest.mark.browser
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+@in_browser
 @pytest.mark.parametrize("medium", [400, 1400, "print"])
 def test_nothing_is_cut_off_and_maps_can_be_read(page, tmp_path, medium):
     """At both widths, and with the rules of the printed page on A4 between its margins; all sections open."""
@@ -934,35 +797,7 @@ def test_nothing_is_cut_off_and_maps_can_be_read(page, tmp_path, medium):
     assert read > 2
 
 
-ENLARGED_PROBE = """
-<script>
-UNTIL
-addEventListener("load", async () => {
-  document.querySelector("button.enlarge").click();
-  const dialog = document.querySelector("dialog"), words = dialog.querySelector("p");
-  await until(() => words.textContent.includes("Point at the map"));
-  const drawn = dialog.querySelector("svg image"), zoom = dialog.querySelectorAll("button")[1];
-  const state = () => [drawn.getBoundingClientRect().width, drawn.style.imageRendering, zoom.textContent];
-  const said = {words: words.textContent, zoom: zoom.checkVisibility(), states: [state()], values: []};
-  zoom.click();
-  said.states.push(state());
-  for (const [row, column] of POINTS) {
-    const on = drawn.getBoundingClientRect();
-    const clientX = on.left + (column + 0.5) / 900 * on.width;
-    const clientY = on.top + (row + 0.5) / 700 * on.height;
-    drawn.dispatchEvent(new PointerEvent("pointermove", {bubbles: true, clientX, clientY}));
-    said.values.push(words.textContent);
-  }
-  zoom.click();
-  said.states.push(state());
-  document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
-});
-</script>
-"""
-
-
-@pytest.mark.browser
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+@in_browser
 def test_every_point_of_a_large_map_can_be_seen_and_read(tmp_path):
     pressure = np.random.default_rng(4).uniform(0.1e6, 1e6, (700, 900))
     chart = map_plots.pressure_map(height_map(np.zeros((700, 900)), 1e-6), pressure, highest=1e6)
@@ -972,7 +807,7 @@ def test_every_point_of_a_large_map_can_be_seen_and_read(tmp_path):
         '<figure style="width:300px">'
         f'<img src="{chart.source()}" alt="Pressure."></figure>{template("figures.html").render()}'
     )
-    probe = ENLARGED_PROBE.replace("UNTIL", UNTIL).replace("POINTS", json.dumps(points))
+    probe = script("enlarged", POINTS=json.dumps(points))
     report_of_page = said_by(text + probe, tmp_path)
     assert (
         report_of_page["words"]
@@ -989,26 +824,25 @@ def test_every_point_of_a_large_map_can_be_seen_and_read(tmp_path):
         assert abs(pressure_read - pressure[699 - row, column]) < 0.01e6
 
 
+def printed(text, folder):
+    """Return a page as it is printed, a PDF."""
+    page, result = folder / "printed.html", folder / "printed.pdf"
+    page.write_text(text, encoding="utf-8")
+    chromium(folder, "--no-pdf-header-footer", f"--print-to-pdf={result}", page.as_uri())
+    return result.read_bytes()
+
+
+def number_of_pages(pdf):
+    return max(int(count) for count in re.findall(rb"/Count (\d+)", pdf))
+
+
 def pages_printed(text, folder):
     """Return the number of pages that a page is printed on, A4."""
-    page, printed = folder / "printed.html", folder / "printed.pdf"
-    page.write_text(text, encoding="utf-8")
-    subprocess.run(
-        [
-            CHROMIUM,
-            *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--no-pdf-header-footer"),
-            *(f"--user-data-dir={folder / 'profile'}", f"--print-to-pdf={printed}", page.as_uri()),
-        ],
-        capture_output=True,
-        timeout=180,
-        check=True,
-    )
-    return max(int(count) for count in re.findall(rb"/Count (\d+)", printed.read_bytes()))
+    return number_of_pages(printed(text, folder))
 
 
 @pytest.mark.slow
-@pytest.mark.browser
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+@in_browser
 def test_a_surface_is_printed_on_two_pages_and_what_is_unfolded_on_more(page, tmp_path):
     text = without_policy(page.read_text(encoding="utf-8")).replace("@page {", "@page { size: A4;")
     head, *parts = re.split(r'(?=<section class="surface")', text.partition('<section id="legend">')[0])
@@ -1264,17 +1098,30 @@ def test_the_index_answers_for_all_surfaces_at_one_load(study):
         ]
 
 
+def numbers_at(*loads, **columns):
+    """Return statistics at some mean pressures (Pa): 1 where nothing else is stated."""
+    names = ("relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
+    columns = dict.fromkeys(names, 1.0) | columns | {"mean_pressure": loads}
+    return xr.Dataset(
+        {name: ("load", np.array(np.broadcast_to(column, len(loads)))) for name, column in columns.items()}
+    )
+
+
+def area_between(area, down, up, load=1e6):
+    """Return statistics at a load (Pa) with an area and how far its interval goes."""
+    ends = {"relative_contact_area_lower": area - down, "relative_contact_area_upper": area + up}
+    return numbers_at(load, relative_contact_area=area, **ends)
+
+
 def test_cases_are_compared_with_their_difference():
-    case_a = xr.Dataset(
-        {
-            "mean_pressure": ("load", [1e6, 2e6]),
-            "relative_contact_area": ("load", [0.1, 0.2]),
-            "mean_contact_pressure": ("load", [1e7, 1e7]),
-            "max_pressure": ("load", [3e7, 4e7]),
-            "mean_gap": ("load", [2e-6, 0.0]),
-            "mean_gap_lower": ("load", [2e-6 / np.exp(0.03), np.nan]),
-            "mean_gap_upper": ("load", [2e-6 * np.exp(0.03), np.nan]),
-        },
+    case_a = numbers_at(
+        *(1e6, 2e6),
+        relative_contact_area=[0.1, 0.2],
+        mean_contact_pressure=1e7,
+        max_pressure=[3e7, 4e7],
+        mean_gap=[2e-6, 0.0],
+        mean_gap_lower=[2e-6 / np.exp(0.03), np.nan],
+        mean_gap_upper=[2e-6 * np.exp(0.03), np.nan],
     )
     case_b = case_a * 2
     bounds = {"lower": 4e-6 / np.exp(0.04), "upper": 4e-6 * np.exp(0.04)}
@@ -1296,15 +1143,8 @@ def test_cases_are_compared_with_their_difference():
 
 def test_differences_of_cases_reach_as_far_as_the_ends_of_both_intervals():
     def case(gap, down, up):
-        ones = {
-            name: ("load", [1.0])
-            for name in ("mean_contact_pressure", "max_pressure", "relative_contact_area")
-        }
-        bounds = {
-            "mean_gap_lower": ("load", [gap * np.exp(-down)]),
-            "mean_gap_upper": ("load", [gap * np.exp(up)]),
-        }
-        return xr.Dataset({"mean_pressure": ("load", [1e6]), "mean_gap": ("load", [gap])} | ones | bounds)
+        ends = {"mean_gap_lower": gap * np.exp(-down), "mean_gap_upper": gap * np.exp(up)}
+        return numbers_at(1e6, mean_gap=gap, **ends)
 
     table = case_table({"one": case(1e-6, 0.3, 0.01), "two": case(2e-6, 0.01, 0.4)})
     # up: 2 e^hypot(0.4, 0.3) = 3.297, down: 2 e^-hypot(0.01, 0.01) = 1.972
@@ -1314,12 +1154,8 @@ def test_differences_of_cases_reach_as_far_as_the_ends_of_both_intervals():
 
 def test_loads_of_cases_are_named_by_what_they_have_in_common():
     def surface(modulus, load):
-        ones = {name: ("load", [1.0]) for name in ("mean_contact_pressure", "max_pressure", "mean_gap")}
-        relative = {"relative_pressure": ("load", [load / modulus]), "mean_pressure": ("load", [load])}
-        # 1 against 1 + 2e-16 is no difference
-        return xr.Dataset(
-            {**ones, **relative, "relative_contact_area": ("load", [np.nextafter(1.0, modulus)])}
-        )
+        area = np.nextafter(1.0, modulus)  # 1 against 1 + 2e-16 is no difference
+        return numbers_at(load, relative_pressure=load / modulus, relative_contact_area=area)
 
     soft, hard, stiff = surface(0.5, 0.01), surface(1e9, 2e7), surface(2e9, 2e7)
     for cases, load_text in (((soft, hard), "0.0200 E* g"), ((hard, stiff), "20.0 MPa")):
@@ -1352,15 +1188,8 @@ def test_the_load_of_a_target_is_compared_with_that_of_the_other_case():
 
 def test_cases_are_compared_at_the_loads_that_they_share_and_at_no_others():
     def case(*loads, modulus=1e9):
-        ones = {
-            n: ("load", np.ones(len(loads))) for n in ("mean_contact_pressure", "max_pressure", "mean_gap")
-        }
-        columns = {
-            "mean_pressure": ("load", list(loads)),
-            "relative_contact_area": ("load", np.array(loads) * 1e-8),
-        }
-        relative = {"relative_pressure": ("load", np.array(loads) / modulus)}
-        return xr.Dataset({**ones, **columns, **relative})
+        areas, relative = np.array(loads) * 1e-8, np.array(loads) / modulus
+        return numbers_at(*loads, relative_contact_area=areas, relative_pressure=relative)
 
     case_a = case(1e6, 2e6, 5e6)
     common_loads = {"one": case_a, "two": case(2e6, 3e6, 5e6)}
@@ -1387,10 +1216,8 @@ def test_cases_are_compared_at_the_loads_that_they_share_and_at_no_others():
 
 def load_case(*loads, gap=1e-6):
     """Return statistics of a case at some mean pressures (MPa): its area grows with them."""
-    names = ("mean_contact_pressure", "max_pressure")
-    columns = {"relative_contact_area": np.array(loads) / 100, "mean_gap": np.full(len(loads), gap)}
-    columns |= {name: np.ones(len(loads)) for name in names} | {"mean_pressure": np.array(loads) * 1e6}
-    return xr.Dataset({name: ("load", values) for name, values in columns.items()})
+    pressures = np.array(loads) * 1e6
+    return numbers_at(*pressures, relative_contact_area=np.array(loads) / 100, mean_gap=gap)
 
 
 def test_each_two_of_three_cases_are_compared_at_the_loads_that_these_two_share():
@@ -1418,21 +1245,12 @@ def test_each_two_of_three_cases_are_compared_at_the_loads_that_these_two_share(
 
 
 def test_a_difference_that_is_nearly_certain_has_no_more_digits_than_a_hundredth_of_a_percent():
-    def case(area, half):
-        half_widths = {"lower": -half, "upper": half}
-        return load_case(1.0).assign(
-            relative_contact_area=("load", [area]),
-            **{
-                f"relative_contact_area_{bound}": ("load", [area + way]) for bound, way in half_widths.items()
-            },
-        )
-
     # of independent errors: 1.11 hypot(0.111 %, 0.1 %) = 0.166 %; of some 15 % as a factor, up and down
     for half, difference_text in ((1e-9, "11.11 %"), (1e-4, "(11.11 ± 0.17) %"), (0.01, "(11 −15 +18) %")):
-        table = case_table({"one": case(0.09, half), "two": case(0.1, half)})
+        table = case_table({"one": area_between(0.09, half, half), "two": area_between(0.1, half, half)})
         assert table["groups"][0]["rows"][0][-1] == difference_text
     # −0 is written 0
-    table = case_table({"one": case(0.1, 0.02), "two": case(0.09999, 0.02)})
+    table = case_table({"one": area_between(0.1, 0.02, 0.02), "two": area_between(0.09999, 0.02, 0.02)})
     assert table["groups"][0]["rows"][0][-1].startswith("(0 ")
 
 
@@ -1453,8 +1271,7 @@ def test_the_page_says_that_cases_share_no_load(tmp_path):
     assert "1.00 MPa / 4.00 MPa" in same.partition('<section id="cases">')[2]
 
 
-@pytest.mark.browser
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+@in_browser
 def test_loads_have_a_row_of_their_own_on_a_phone(tmp_path):
     runs = [run_surface(tmp_path, "one", rough(shape=(24, 24)), case=case) for case in ("soft", "hard")]
     text = assemble(tmp_path, runs).read_text(encoding="utf-8")
@@ -1475,8 +1292,7 @@ def test_loads_have_a_row_of_their_own_on_a_phone(tmp_path):
     )
 
 
-@pytest.mark.browser
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+@in_browser
 def test_a_number_and_its_interval_stand_apart_on_a_phone(study, page, tmp_path):
     cell_with_interval = (
         '<span class="more">± 1</span><span class="mark">review</span></td>'  # without a ± there
@@ -1503,40 +1319,13 @@ def test_a_number_and_its_interval_stand_apart_on_a_phone(study, page, tmp_path)
     assert {tuple(style) for styles in styles for style in styles} == {("inline", '"\N{NO-BREAK SPACE}·')}
 
 
-SLIDER_PROBE = """
-<script>
-addEventListener("load", () => {
-  const slider = document.querySelector(".each-load input");
-  const charts = [...document.querySelectorAll(".against-load img")];
-  const said = { start: +slider.value, last: +slider.max, loads: [] };
-  for (let load = 0; load <= slider.max; load++) {
-    slider.value = load;
-    slider.dispatchEvent(new Event("input"));
-    const lines = charts.map(image => {
-      const [on, at] = [image, image.parentNode.querySelector("i")].map(part => part.getBoundingClientRect());
-      return [(at.left - on.left) / on.width, (at.top - on.top) / on.height, at.height / on.height];
-    });
-    const drawn = [...document.querySelectorAll(".pair")].filter(pair => pair.checkVisibility());
-    const captions = drawn.map(pair => pair.querySelector("p").textContent);
-    said.loads.push([slider.closest("label").textContent, captions, lines]);
-  }
-  document.querySelector(".pair:not(.off) button")?.click();
-  const large = document.querySelector("dialog .loads input");
-  said.large = large && [+large.value, +large.max];
-  document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
-});
-</script>
-"""
-
-
-@pytest.mark.browser
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+@in_browser
 @pytest.mark.parametrize("keep_fields", [True, False])
 def test_the_slider_goes_through_all_loads_that_were_solved(tmp_path, keep_fields):
     loads = [1e5, 2e5, 1e6, 4e6, 1e7, 5e7]
     runs = [run_surface(tmp_path, "one", rough(), loads=loads, keep_fields=keep_fields)]
     text = assemble(tmp_path, runs).read_text(encoding="utf-8")
-    report_of_page = said_by(text.replace("<head>", "<head>" + SLIDER_PROBE), tmp_path)
+    report_of_page = said_by(text.replace("<head>", "<head>" + script("slider")), tmp_path)
     numbers = read_dataset(runs[0]["statistics"])
     drawn = shown_loads(numbers["relative_contact_area"].values) if keep_fields else []
     assert 1 < len(drawn) < len(loads) or not keep_fields
@@ -1594,13 +1383,7 @@ def test_a_file_that_fails_under_several_cases_is_listed_once(tmp_path, surfaces
 
 def test_medians_of_many_surfaces_and_where_most_of_them_lie():
     def surface(area):
-        return xr.Dataset(
-            {
-                "mean_pressure": ("load", [1e6]),
-                "relative_contact_area": ("load", [area]),
-                **{n: ("load", [1.0]) for n in ("mean_contact_pressure", "max_pressure", "mean_gap")},
-            }
-        )
+        return numbers_at(1e6, relative_contact_area=area)
 
     surfaces = [{"one": surface(k / 100), "two": surface(2 * k / 100)} for k in range(11)]
     table = case_medians([*surfaces, {"one": surface(0.9)}])
@@ -1613,11 +1396,7 @@ def test_medians_hold_all_surfaces_that_share_a_load_wherever_it_stands():
     """Targets differ from surface to surface, so that a stated load is not the same one of each."""
 
     def surface(area, loads):
-        ones = {
-            n: ("load", [1.0] * len(loads)) for n in ("mean_contact_pressure", "max_pressure", "mean_gap")
-        }
-        areas = [area * load / 1e6 for load in loads]
-        return xr.Dataset({"mean_pressure": ("load", loads), "relative_contact_area": ("load", areas)} | ones)
+        return numbers_at(*loads, relative_contact_area=[area * load / 1e6 for load in loads])
 
     surfaces = [
         {"one": surface(0.1, [1e6, 3e6]), "two": surface(0.2, [1e6])},
@@ -1639,20 +1418,13 @@ def test_medians_of_differences_end_at_a_hundredth_of_a_percent():
 
 
 def test_of_many_surfaces_it_is_counted_how_many_differ_by_more_than_their_interval():
-    def surface(area, half):
-        ones = {n: ("load", [1.0]) for n in ("mean_contact_pressure", "max_pressure", "mean_gap")}
-        bounds = {f"relative_contact_area_{bound}": ("load", [area + way]) for bound, way in half.items()}
-        return xr.Dataset(
-            {"mean_pressure": ("load", [1e6]), "relative_contact_area": ("load", [area])} | ones | bounds
-        )
-
-    narrow, wide = {"lower": -0.01, "upper": 0.01}, {"lower": -0.01, "upper": 0.11}
+    narrow, wide = (0.01, 0.01), (0.01, 0.11)
     # 0.2 against 0.1 is clear; not so, where 0.1 may be 0.21
     surfaces = [
-        *({"one": surface(0.1, narrow), "two": surface(0.2, narrow)} for _ in range(3)),
-        {"one": surface(0.1, wide), "two": surface(0.2, narrow)},
-        {"one": surface(0.2, narrow), "two": surface(0.1, narrow)},
-        {"one": surface(0.1, {}), "two": surface(0.2, narrow)},
+        *({"one": area_between(0.1, *narrow), "two": area_between(0.2, *narrow)} for _ in range(3)),
+        {"one": area_between(0.1, *wide), "two": area_between(0.2, *narrow)},
+        {"one": area_between(0.2, *narrow), "two": area_between(0.1, *narrow)},
+        {"one": numbers_at(1e6, relative_contact_area=0.1), "two": area_between(0.2, *narrow)},
     ]
     areas, _, gaps, _ = case_medians(surfaces)["groups"]
     assert areas["rows"][0][-1] == "100 % (25.0 to 100); beyond ± 4 of 5"
@@ -1661,111 +1433,35 @@ def test_of_many_surfaces_it_is_counted_how_many_differ_by_more_than_their_inter
 
 @pytest.mark.parametrize(("area_b", "clear"), [(0.1005, 1), (0.0995, 1), (0.10001, 0)])
 def test_a_small_difference_counts_where_it_is_beyond_its_interval(area_b, clear):
-    def surface(area):
-        ones = {n: ("load", [1.0]) for n in ("mean_contact_pressure", "max_pressure", "mean_gap")}
-        bounds = {
-            f"relative_contact_area_{bound}": ("load", [area + way])
-            for bound, way in (("lower", -1e-4), ("upper", 1e-4))
-        }
-        return xr.Dataset(
-            {"mean_pressure": ("load", [1e6]), "relative_contact_area": ("load", [area])} | ones | bounds
-        )
-
-    areas, *_ = case_medians([{"one": surface(0.1), "two": surface(area_b)}])["groups"]
+    cases = {"one": area_between(0.1, 1e-4, 1e-4), "two": area_between(area_b, 1e-4, 1e-4)}
+    areas, *_ = case_medians([cases])["groups"]
     assert areas["rows"][0][-1].endswith(f"; beyond ± {clear} of 1")
 
 
-@pytest.mark.browser
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+@in_browser
 def test_a_printed_index_has_its_heads_on_every_page(study, tmp_path):
     text = study.read_text(encoding="utf-8")
     head, rows, _ = re.split(r"<tbody>|</tbody>", text, maxsplit=2)
     # heads in a colour by which they are known; what follows the table is left out
     marked = without_policy(head).replace("</style>", ".many thead th { color: #010203 }</style>")
-    page, printed = tmp_path / "index.html", tmp_path / "index.pdf"
-    page.write_text(f"{marked}<tbody>{10 * rows}</tbody></table></div></section></main>", encoding="utf-8")
-    subprocess.run(
-        [
-            CHROMIUM,
-            *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--no-pdf-header-footer"),
-            *(f"--user-data-dir={tmp_path / 'profile'}", f"--print-to-pdf={printed}", page.as_uri()),
-        ],
-        capture_output=True,
-        timeout=180,
-        check=True,
-    )
-    file, drawn = printed.read_bytes(), []
+    file = printed(f"{marked}<tbody>{10 * rows}</tbody></table></div></section></main>", tmp_path)
+    drawn = []
     for stream in re.finditer(rb"stream\r?\n", file):
         with suppress(zlib.error):
             drawn.append(zlib.decompressobj().decompress(file[stream.end() :]))
     # 1, 2 and 3 of 255
     with_heads = sum(bool(re.search(rb"0?\.0039\d* 0?\.0078\d* 0?\.011[78]\d* rg", page)) for page in drawn)
-    assert with_heads == max(int(count) for count in re.findall(rb"/Count (\d+)", file))
+    assert with_heads == number_of_pages(file)
     assert with_heads > 3
 
 
-@pytest.mark.browser
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+@in_browser
 def test_the_index_is_sorted_and_filtered(study, tmp_path):
-    script = """
-<script>
-window.addEventListener("load", () => {
-  const rows = () => [...document.querySelectorAll("#many tbody tr")].filter(row => !row.hidden);
-  const names = () => rows().map(row => `${row.cells[0].textContent} · ${row.cells[1].textContent}`);
-  const key = column => rows().map(row => row.cells[column]?.dataset.key ?? null);
-  const button = column => document.querySelectorAll("#many thead button")[column];
-  const set = (name, value) => {
-    const control = document.getElementById(name);
-    control.value = value; control.dispatchEvent(new Event(name === "find" ? "input" : "change"));
-  };
-  const state = () => [names(), document.getElementById("find").value, document.getElementById("case").value];
-  if (history.state) {  // back again
-    const before = JSON.parse(sessionStorage.said);
-    document.body.setAttribute("data-said", JSON.stringify([...before, state()]));
-    return;
-  }
-  const said = {all: rows().length, columns: [], clear: document.getElementById("clear").checkVisibility()};
-  for (let column = 0; column < 13; column++) {
-    button(column).click();
-    const up = [names(), key(column)];
-    button(column).click();
-    said.columns.push([button(column).textContent, ...up, names(), key(column)]);
-  }
-  set("find", "s-3");
-  said.found = names();
-  set("case", "hard");
-  said.both = names();
-  document.getElementById("clear").click();
-  said.cleared = rows().length;
-  set("verdict", "none");
-  said.failed = names();
-  set("verdict", "");
-  said.reasons = [...document.getElementById("reason").options].slice(1).map(option => {
-    set("reason", option.value);
-    return [option.textContent, rows().length];
-  });
-  set("reason", "");
-  said.wide = document.documentElement.scrollWidth - window.innerWidth;
-  button(5).click(); button(6).click(); set("case", "soft"); set("find", "review");
-  sessionStorage.said = JSON.stringify([said, state()]);
-  location.reload();
-});
-</script>
-"""
     page = tmp_path / "index.html"
-    page.write_text(study.read_text(encoding="utf-8").replace("<head>", "<head>" + script), encoding="utf-8")
-    browser = subprocess.run(
-        [
-            CHROMIUM,
-            *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--window-size=500,900"),
-            *(f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=5000", "--dump-dom"),
-            page.as_uri(),
-        ],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=True,
+    page.write_text(
+        study.read_text(encoding="utf-8").replace("<head>", "<head>" + script("sort")), encoding="utf-8"
     )
+    browser = dumped(tmp_path, page.as_uri(), "--window-size=500,900", budget=5000)
     state, unsorted, back = json.loads(html.unescape(re.search(r'data-said="([^"]*)"', browser.stdout)[1]))
     assert state["all"] == 15
     assert not state["clear"]

@@ -46,10 +46,6 @@ ENDLESS = [math.inf, -math.inf, math.nan]
 # setting: what is just within its limits, what is just beyond
 LIMITS = {
     "level.order": ([1, 12], [0, 13]),
-    "level.outlier_threshold": ([SMALLEST, None], [0, -1]),
-    "level.scar_threshold": ([SMALLEST, None], [0, -1]),
-    "level.s_filter": ([SMALLEST_LENGTH, None], [0, -1]),
-    "level.l_filter": ([SMALLEST_LENGTH, None], [0, -1]),
     "level.max_missing": ([0, 1], [-SMALLEST, ABOVE_ONE]),
     "composite.shifts": ([1, 100], [0, 101]),
     "composite.rotations": ([[0], [-400.0, 400.0], [1.0] * 360], [[], [1.0] * 361]),
@@ -57,10 +53,7 @@ LIMITS = {
     "composite.seed": ([0, 2**32 - 1], [-1, 2**32]),
     "window.width": ([SMALLEST, 0.5], [0, math.nextafter(0.5, 1)]),
     "window.min_share": ([0, 1], [-SMALLEST, ABOVE_ONE]),
-    "window.shortest_wavelength": ([SMALLEST_LENGTH, None], [0, -1]),
-    "window.longest_wavelength": ([SMALLEST_LENGTH, None], [0, -1]),
     "form.radius": ([1e-6, [1e-6], [1.0, 2.0]], [0, [], [1, -1], [1, 2, 3]]),
-    "contact.contact_modulus": ([SMALLEST_PRESSURE], [0, -1]),
     "contact.bodies": ([[STEEL | MORE] * 2], [[], [STEEL], [STEEL] * 3]),
     "contact.bodies.youngs_modulus": ([f"{checking.SMALLEST} Pa"], [0, -1]),
     "contact.bodies.poissons_ratio": ([math.nextafter(-1, 0), 0.5], [-1, math.nextafter(0.5, 1)]),
@@ -68,19 +61,8 @@ LIMITS = {
     "contact.time": ([[1.0], [f"{SMALLEST} s", "1 h"]], [0, [], [1, -1]]),
     "contact.bodies.layers.thickness": ([1e-9], [0, -1]),
     "contact.bodies.layers.youngs_modulus": ([1e9], [0, -1]),
-    "contact.bodies.layers.poissons_ratio": (
-        [math.nextafter(-1, 0), 0.5],
-        [-1, math.nextafter(0.5, 1)],
-    ),
-    "contact.bodies.layers.yield_stress": ([SMALLEST_PRESSURE, None], [0, -1]),
-    "contact.bodies.layers.thermal_conductivity": ([f"{SMALLEST} W/(m K)"], [0, -1]),
-    "contact.bodies.layers.electrical_resistivity": ([f"{SMALLEST} Ohm m"], [0, -1]),
-    "contact.bodies.hardness": ([SMALLEST_PRESSURE, None], [0, -1]),
-    "contact.bodies.yield_stress": ([SMALLEST_PRESSURE, None], [0, -1]),
-    "contact.bodies.thermal_conductivity": ([f"{SMALLEST} W/(m K)"], [0, -1]),
-    "contact.bodies.electrical_resistivity": ([f"{SMALLEST} Ohm m"], [0, -1]),
+    "contact.bodies.layers.poissons_ratio": ([math.nextafter(-1, 0), 0.5], [-1, math.nextafter(0.5, 1)]),
     "contact.force": ([f"{SMALLEST} N", [f"{SMALLEST} N"], [1.0, 2.0]], [0, [], [1, -1]]),
-    "contact.area": ([f"{SMALLEST} m2"], [0, -1]),
     "contact.mean_pressure": (
         [SMALLEST_PRESSURE, [SMALLEST_PRESSURE], [1e5, 2e5, 3e5], None],
         [0, [], [0], [1e6, -1]],
@@ -90,53 +72,15 @@ LIMITS = {
     "contact.target_gap": ([[SMALLEST_LENGTH], [1e-7, 2e-7], None], [0, [], [1e-7, -1]]),
     "contact.unload": ([[SMALLEST_PRESSURE], [1e5, 2e5], None], [0, [0], [1e6, -1]]),
     "contact.target": ([["percolation"], None], [[], "yield"]),
-    "contact.tolerance": (
-        [MIN_TOLERANCE, BELOW_ONE],
-        [math.nextafter(MIN_TOLERANCE, 0), 1],
-    ),
-    "contact.hardness": ([SMALLEST_PRESSURE, None], [0, -1]),
+    "contact.tolerance": ([MIN_TOLERANCE, BELOW_ONE], [math.nextafter(MIN_TOLERANCE, 0), 1]),
     "statistics.pressure_bins": ([1, 1000], [0, 1001, 1e19]),
     "statistics.gap_bins": ([1, 1000], [0, 1001]),
-    "statistics.work_of_adhesion": ([f"{SMALLEST} J/m2", None], [0, -1]),
-    "statistics.seal.viscosity": ([f"{SMALLEST} Pa s"], [0, -1]),
-    "statistics.seal.pressure_difference": ([SMALLEST_PRESSURE], [0, -1]),
-    "statistics.seal.width": ([SMALLEST_LENGTH], [0, -1]),
-    "statistics.seal.perimeter": ([SMALLEST_LENGTH, None], [0, -1]),
-    "statistics.seal.allowed_leak": ([f"{SMALLEST} m3/s", None], [0, -1]),
-    "statistics.seal.outlet_pressure": ([SMALLEST_PRESSURE, None], [0, -1]),
-    "statistics.seal.mean_free_path": ([SMALLEST_LENGTH, None], [0, -1]),
-    "statistics.allowed_pressure": ([SMALLEST_PRESSURE, None], [0, -1]),
-    "statistics.joint.area": ([f"{SMALLEST} m2"], [0, -1]),
-    "statistics.joint.heat_flow": ([f"{SMALLEST} W", None], [0, -1]),
-    "statistics.joint.allowed_resistance": ([f"{SMALLEST} Ohm", None], [0, -1]),
-    "statistics.joint.allowed_temperature_drop": ([f"{SMALLEST} K", None], [0, -1]),
-    "statistics.joint.gas_conductivity": ([f"{SMALLEST} W/(m K)"], [0, -1]),
-    "statistics.joint.temperature_jump": ([SMALLEST_LENGTH], [0, -1]),
-    "statistics.joint.film_thickness": ([SMALLEST_LENGTH], [0, -1]),
-    "statistics.joint.film_conductivity": ([f"{SMALLEST} W/(m K)"], [0, -1]),
-    "statistics.requirement.thermal_resistance": (
-        [f"{SMALLEST} m2 K/W", None],
-        [0, -1],
-    ),
-    "statistics.requirement.contact_resistance": ([f"{SMALLEST} Ohm m2", None], [0, -1]),
     "statistics.requirement.gap": ([SMALLEST_LENGTH, None], [0, -1, ">= 1 um"]),
     "statistics.requirement.contact_area": ([SMALLEST, BELOW_ONE, None], [0, 1, "<= 0.5"]),
-    "statistics.requirement.leak": ([f"{SMALLEST} m3/s", None], [0, -1]),
-    "statistics.requirement.resistance": ([f"{SMALLEST} Ohm", None], [0, -1]),
-    "statistics.requirement.temperature_drop": ([f"{SMALLEST} K", None], [0, -1]),
-    "statistics.requirement.pressure": ([SMALLEST_PRESSURE, None], [0, -1]),
-    "statistics.friction.coefficient": ([SMALLEST, None], [0, -1]),
     "statistics.friction.tangential_load": ([[SMALLEST], [1], None], [0, [], ABOVE_ONE]),
-    "statistics.friction.shear_strength": ([SMALLEST_PRESSURE, None], [0, -1]),
-    "statistics.friction.speed": ([f"{SMALLEST} m/s", None], [0, -1]),
-    "statistics.friction.thermal_diffusivity": ([f"{SMALLEST} m2/s", None], [0, -1]),
     "uncertainty.windows": ([4, 400], [3, 401]),
     "uncertainty.sources": ([[], ["window"]], [["lens"], "window"]),
-    "instrument.noise": ([SMALLEST_LENGTH, None], [0, -1]),
-    "instrument.resolution": ([SMALLEST_LENGTH, None], [0, -1]),
     "instrument.numerical_aperture": ([SMALLEST, 1.6, None], [0, math.nextafter(1.6, 2)]),
-    "instrument.wavelength": ([SMALLEST_LENGTH, None], [0, -1]),
-    "instrument.tip_radius": ([SMALLEST_LENGTH, None], [0, -1]),
     "instrument.amplification_z": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
     "instrument.amplification_xy": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
     "instrument.finer_spectrum": (["patch.nid", None], [""]),
@@ -156,13 +100,53 @@ LIMITS = {
         ),
         ([[0], [BELOW_ONE], [0.5, 3], None], [1, [], [1, 1]]),
     ),
-    "wear.coefficient": ([f"{SMALLEST} 1/Pa"], [0, -1]),
     "wear.coefficient_factor": ([1, 3.5], [BELOW_ONE, 0]),
     "wear.distance": ([f"{SMALLEST} m", [f"{SMALLEST} m"], [1.0, 2.0]], [0, [], [1, -1]]),
-    "wear.mean_pressure": ([SMALLEST_PRESSURE, None], [0, -1]),
     "sliding.speed": ([f"{SMALLEST} m/s", [f"{SMALLEST} m/s"], [1.0, 2.0]], [0, [], [1, -1]]),
-    "sliding.mean_pressure": ([SMALLEST_PRESSURE, None], [0, -1]),
     "surfaces": (["s"], [""]),
+}
+# above nothing, by unit: section: names
+POSITIVE = {
+    "Pa": "contact: contact_modulus; statistics.seal: pressure_difference",
+    "W/(m K)": (
+        "contact.bodies.layers: thermal_conductivity; contact.bodies: thermal_conductivity; "
+        "statistics.joint: gas_conductivity film_conductivity"
+    ),
+    "Ohm m": "contact.bodies.layers: electrical_resistivity; contact.bodies: electrical_resistivity",
+    "m2": "contact: area; statistics.joint: area",
+    "Pa s": "statistics.seal: viscosity",
+    "m": "statistics.seal: width; statistics.joint: temperature_jump film_thickness",
+    "1/Pa": "wear: coefficient",
+}
+# the same, and may be left out
+POSITIVE_OR_NONE = {
+    "": "level: outlier_threshold scar_threshold; statistics.friction: coefficient",
+    "m": (
+        "level: s_filter l_filter; window: shortest_wavelength longest_wavelength; statistics.seal: "
+        "perimeter mean_free_path; instrument: noise resolution wavelength tip_radius"
+    ),
+    "Pa": (
+        "contact.bodies.layers: yield_stress; contact.bodies: hardness yield_stress; contact: "
+        "hardness; statistics.seal: outlet_pressure; statistics: allowed_pressure; "
+        "statistics.requirement: pressure; statistics.friction: shear_strength; wear: mean_pressure; "
+        "sliding: mean_pressure"
+    ),
+    "J/m2": "statistics: work_of_adhesion",
+    "m3/s": "statistics.seal: allowed_leak; statistics.requirement: leak",
+    "W": "statistics.joint: heat_flow",
+    "Ohm": "statistics.joint: allowed_resistance; statistics.requirement: resistance",
+    "K": "statistics.joint: allowed_temperature_drop; statistics.requirement: temperature_drop",
+    "m2 K/W": "statistics.requirement: thermal_resistance",
+    "Ohm m2": "statistics.requirement: contact_resistance",
+    "m/s": "statistics.friction: speed",
+    "m2/s": "statistics.friction: thermal_diffusivity",
+}
+LIMITS |= {
+    f"{section}.{name}": ([f"{SMALLEST} {unit}" if unit else SMALLEST, *rest], [0, -1])
+    for by_unit, rest in ((POSITIVE, ()), (POSITIVE_OR_NONE, (None,)))
+    for unit, sections in by_unit.items()
+    for section, _, names in (entry.partition(": ") for entry in sections.split("; "))
+    for name in names.split()
 }
 OTHERS = {
     "composite.rotations",
