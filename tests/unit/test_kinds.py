@@ -15,7 +15,7 @@ from roughcontact.arguments.kinds import (
     facts_of_settings,
 )
 from roughcontact.arguments.settings.fields import fields_at
-from roughcontact.arguments.settings.models import Friction, Settings
+from roughcontact.arguments.settings.models import Friction, Joint, Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.evaluation.kinds import KINDS, kind_of
 
@@ -48,7 +48,9 @@ def test_functions_and_settings_refuse_with_the_same_sentence(options):
 
 def test_every_rule_is_of_a_setting_that_there_is():
     names = {f"{section}.{key}" for section in Settings.model_fields for key in fields_at([section])}
-    names |= {f"statistics.friction.{key}" for key in Friction.model_fields} | {*Settings.model_fields}
+    groups = {"friction": Friction, "joint": Joint}
+    names |= {f"statistics.{name}.{key}" for name, group in groups.items() for key in group.model_fields}
+    names |= {*Settings.model_fields}
     for facts in KIND_FACTS:
         rules = {*facts.excluded, *chain.from_iterable(facts.excluded_with.values()), *facts.admitted}
         rules -= OF_FUNCTIONS

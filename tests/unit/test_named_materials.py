@@ -129,7 +129,9 @@ def test_a_layer_has_a_name_and_its_hardness_is_that_of_the_surface():
     assert contact["bodies"][0]["electrical_resistivity"] == copper["electrical_resistivity"]
     assert contact["hardness"] == min(gold["hardness"], hard["hardness"]) != copper["hardness"]
     assert contact["contact_modulus"] == pytest.approx(materials.contact_modulus([gold, hard]))
-    assert contact["contact_modulus_uncertainty"] == modulus_uncertainty(named_bodies(["gold", "hard-gold"]))
+    # no wave feels another stack than gold or copper alone, with the wider of both ranges
+    ranges = [modulus_uncertainty(named_bodies([name, "hard-gold"])) for name in ("gold", "copper")]
+    assert max(ranges) <= contact["contact_modulus_uncertainty"] < 1.2 * max(ranges)
     assert contact["hardness_uncertainty"] == shares_of_range(*_properties("gold")["hardness"])
     assert resolve({"contact": {"bodies": [coated | {"hardness": 2e9}, "copper"]}})[""]["contact"][
         "hardness"

@@ -27,6 +27,7 @@ def settings(window, *, factor=1.0):
         "distance": (far * np.geomspace(1e-2, 10, 7)).tolist(),
     }
     contact = {"contact_modulus": 1e9, "bodies": None, "hardness": None, "influence": "sampled"}
+    contact |= {"zero_frequency": "zero"}
     return {"wear": wear, "contact": contact, "statistics": {"flow": "never"}}
 
 

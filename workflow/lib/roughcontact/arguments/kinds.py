@@ -17,7 +17,7 @@ _PERIODIC = "is for periodic maps, and boundary = free; leave it out"
 _FILTERS = f"{_PERIODIC}; level.s_filter and level.l_filter remove waves"
 _LOCAL_SCALE = (
     " = true: takes form.radius and contact.force of a periodic map; leave out form.edges, "
-    "contact.boundary = free, contact.area, targets and layers"
+    "contact.boundary = free, contact.area, joint.area, seal.perimeter, targets and layers"
 )
 
 
@@ -191,9 +191,12 @@ class LocalScaleFacts(KindFacts):
     ) -> Iterator[tuple[str, str]]:
         """Yield the one sentence that says what the local scale needs and excludes."""
         form, contact = settings["form"], settings["contact"]
+        seal, joint = (settings["statistics"][name] or {} for name in ("seal", "joint"))
         needed = form["radius"] and contact["force"]
         periodic = contact["boundary"] == self.boundary
         excluded = [form["edges"], *(contact[key] for key in ("area", "target_area", "target_gap", "target"))]
+        # numbers by area and width are those under the largest pressure, which the whole does not have
+        excluded += [joint.get("area"), seal.get("perimeter")]
         if properties or any(excluded) or not (needed and periodic):
             yield "form.local_scale", _LOCAL_SCALE
 
@@ -257,6 +260,8 @@ FINITE_BODY = FiniteBodyFacts(
         "finite size is unknown; solve_contact takes the map of surface_from_profiles",
         "contact_table": "a body of finite size has no mean gap; give a periodic map",
         "contact.zero_frequency": "the approach of a finite body is absolute; leave it out",
+        "statistics.joint.area": "resistances of a finite body are over the area of its map; divide by that, "
+        "and leave the area out",
         "contact.precision": "finite bodies are solved in double precision; leave it out",
         "window": _PERIODIC,
         "wear": _PERIODIC,

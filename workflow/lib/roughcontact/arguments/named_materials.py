@@ -5,11 +5,12 @@ from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from functools import cache
 from importlib import resources
+from itertools import product
 from typing import Any, NamedTuple
 
 from roughcontact.arguments.materials import RIGID
 from roughcontact.arguments.ranges import OF_BODIES, name_of_range, shares_of_range, weighted
-from roughcontact.arguments.stacks import located_materials, top_material
+from roughcontact.arguments.stacks import located_materials, materials_in
 from roughcontact.errors import SettingsError
 
 _SI = {"GPa": 1e9, "MPa": 1e6, "nOhm_m": 1e-9}
@@ -109,16 +110,21 @@ def _named(body: Any, *, exclude: Sequence[str] = ()) -> Any:
 def modulus_uncertainty(bodies: Sequence[Mapping[str, Any]]) -> float | None:
     """Return the relative uncertainty of E* by the ranges of Young's moduli, None without any.
 
-    The half-ranges of those of the surfaces, weighted by their shares in 1/E*, add in quadrature.
+    The half-ranges of both bodies, weighted by their shares in 1/E*, add in quadrature. A body with layers
+    has the largest half-range and, whatever the wave, a compliance between those of its materials: the
+    largest of the sums over these ends counts.
     """
-    surfaces = [top_material(body) for body in bodies]
-    ranges = [surface.get(name_of_range("youngs_modulus")) for surface in surfaces]
-    if not any(ranges):
+    key, corners, half_ranges = name_of_range("youngs_modulus"), [], []
+    for body in bodies:
+        materials = materials_in(body)
+        compliances = [(1 - entry["poissons_ratio"] ** 2) / entry["youngs_modulus"] for entry in materials]
+        corners.append((0.0 if body.get("base") == "rigid" else min(compliances), max(compliances)))
+        ranges = [entry[key] for entry in materials if entry.get(key)]
+        half_ranges.append(max((sum(shares) / len(shares) for shares in ranges), default=0.0))
+    if not any(half_ranges):
         return None
-    half_ranges = [sum(shares) / len(shares) if shares else 0.0 for shares in ranges]
-    compliances = [(1 - surface["poissons_ratio"] ** 2) / surface["youngs_modulus"] for surface in surfaces]
-    total, lower, _ = weighted(compliances, half_ranges)
-    return round(1 - lower / total, 3)
+    sums = [weighted(compliances, half_ranges) for compliances in product(*corners) if any(compliances)]
+    return round(max(1 - lower / total for total, lower, _ in sums), 3)
 
 
 def temperature_limits(bodies: Sequence[Mapping[str, Any]] | None) -> dict[str, dict[str, float]]:

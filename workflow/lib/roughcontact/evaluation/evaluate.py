@@ -21,6 +21,7 @@ from roughcontact.arguments.si import labelled_in_si, listed
 from roughcontact.arguments.variables import describe
 from roughcontact.contact.problem import warn_of_seams
 from roughcontact.errors import HeightMapWarning, SettingsError
+from roughcontact.evaluation.creep import moduli_after
 from roughcontact.evaluation.pipeline import Progress, run_chain, silent, with_positions
 from roughcontact.io.read import read_height_map
 from roughcontact.surface.profiles.surface import stacked, with_lay
@@ -230,8 +231,11 @@ def contact_table(
     warn_of_seams(window, rms_gradient(window), stacklevel=3)
     contact |= {"contact_modulus": contact_modulus, "bodies": bodies}
     given_settings = {key: value for key, value in contact.items() if value is not None}
+    solver = resolve({"contact": given_settings})[""]["contact"]
+    if moduli_after(solver):
+        text = "each time has a table of its own; give the modulus after one as youngs_modulus"
+        raise SettingsError(f"contact_table: the bodies creep, and {text}", keys=["contact.time"])
     if not given_settings.keys() & {"mean_pressure", "relative_pressure", "force"}:
-        solver = resolve({"contact": given_settings})[""]["contact"]
         scale = solver["contact_modulus"] * rms_gradient(window)
         limit = _BELOW_HARDNESS * (solver["hardness"] or np.inf)
         heaviest = _HEAVIEST if _HEAVIEST * scale < limit else limit / scale

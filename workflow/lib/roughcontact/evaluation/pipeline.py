@@ -207,6 +207,7 @@ def after_creep(statistics: xr.Dataset, solution: SolvedMap) -> xr.Dataset:
         """Return the statistics with another contact modulus, and their intervals."""
         softer = {**settings, "contact": {**settings["contact"], "contact_modulus": modulus}}
         solver = {**solution.solver, "contact_modulus": modulus}
+        solver |= kind.loads_after_creep(solution.window, softer, solver)
         result = solve_and_evaluate(solution.window, softer, solver)
         softer_result = solution._replace(settings=softer, solver=solver, inputs=result.for_budget)
         numbers = with_uncertainty(result.statistics, kind.budget(softer_result))

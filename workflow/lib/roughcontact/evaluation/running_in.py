@@ -46,6 +46,7 @@ def worn_in_a_run(
         mean_pressure=mean_pressure,
         hardness=contact["hardness"],
         influence=contact["influence"],
+        zero_frequency=contact["zero_frequency"],
         threads=threads,
         **elastic,
     )

@@ -24,7 +24,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.checking import check_positive
-from roughcontact.arguments.choices import Influence
+from roughcontact.arguments.choices import Influence, ZeroFrequency
 from roughcontact.arguments.kinds import facts_of, properties_of_map
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.si import as_si
@@ -77,6 +77,7 @@ def run_in(
     bodies: Sequence[Mapping[str, Any]] | None = None,
     hardness: float | None = None,
     influence: Influence = "sampled",
+    zero_frequency: ZeroFrequency = "zero",
     tolerance: float = 0.02,
     solver_tolerance: float = 1e-4,
     statistics: Mapping[str, Any] | None = None,
@@ -106,6 +107,7 @@ def run_in(
     hardness : float, Pa, optional
         largest pressure, as for `solve_contact`; flow itself leaves no trace in the heights.
     influence : {"sampled", "elements"}
+    zero_frequency : {"zero", "nogi-kato", "lattice"}
         as for `solve_contact`.
     tolerance : float
         largest `time_error_bound` over the rms height of the window; infinite: one step to each distance.
@@ -160,6 +162,7 @@ def run_in(
         mean_pressure=load,
         hardness=hardness,
         influence=influence,
+        zero_frequency=zero_frequency,
         tolerance=solver_tolerance,
         threads=threads,
     )
@@ -197,7 +200,8 @@ def worn_faces(
         whose distances rise from 0.
     """
     height, load = contact["height"], contact["mean_pressure"].item()
-    solve = partial(_solved, load=load, tolerance=contact.attrs["tolerance"], threads=threads)
+    rule, accuracy = contact.attrs["zero_frequency"], contact.attrs["tolerance"]
+    solve = partial(_solved, load=load, zero_frequency=rule, tolerance=accuracy, threads=threads)
     solved = solve(height, material, start=contact["pressure"].values[0])
     worn = _Worn(0.0, height, solved, *_bounds(height, solved, material))
     yield worn
@@ -249,15 +253,13 @@ def _solved(
     *,
     start: np.ndarray,
     load: float,
-    tolerance: float,
     threads: int,
+    **options: Any,
 ) -> _Solved:
     """Return the contact of a face under a load (Pa), from the pressure (Pa) of a similar one."""
     problem = nondimensionalise(height, threads=threads)
     guess = start / unit_of_pressure(problem, material.modulus)
-    solutions = periodic_solutions(
-        problem, [load], material, tolerance=tolerance, start=guess, threads=threads
-    )
+    solutions = periodic_solutions(problem, [load], material, start=guess, threads=threads, **options)
     return _Solved(*next(solutions), problem)
 
 

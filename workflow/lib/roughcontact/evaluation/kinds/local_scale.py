@@ -36,6 +36,8 @@ class LocalScale(PeriodicMap):
         """Return the largest nominal pressure of the form under each force."""
         return {"mean_pressure": hertz_pressures(settings["contact"], settings["form"]["radius"])}
 
+    loads_after_creep = loads  # a softer form spreads the force over a larger contact
+
     def budget(self, solution: SolvedMap) -> xr.Dataset:
         """Return the error budget of the map, and the whole contact under each force."""
         (sections, options), contact = self._base.budget_arguments(solution), solution.settings["contact"]

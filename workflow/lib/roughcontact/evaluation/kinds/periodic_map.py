@@ -66,6 +66,12 @@ class PeriodicMap(MapPreparation):
             pressures = elastic_loads(window, pressures, solver)
         return {"mean_pressure": pressures}
 
+    def loads_after_creep(
+        self, window: xr.DataArray, settings: Settings, solver: Mapping[str, Any]
+    ) -> dict[str, Any]:
+        """Return the load arguments of `solve_contact` that change where bodies creep: none."""
+        return {}
+
     def budget(self, solution: SolvedMap) -> xr.Dataset:
         """Return the error budget of a solution."""
         sections, options = self.budget_arguments(solution)
