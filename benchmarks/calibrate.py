@@ -91,7 +91,9 @@ MAX_ERROR = 6.0  # of a logarithm; more is a closed gap
 HALVED_LOAD = 0.1  # at which the promise of more places is judged
 GROUPS = (2, 3, 5)  # maps
 DRAWS = 20  # of groups of each map and load
-EXPECTED_FREEDOM = 5.0  # degrees of freedom that the expected scatter of maps counts for: 3 and 8 score alike
+# degrees of freedom that the expected scatter of maps counts for: half or twice as many score alike, and the
+# more they are of the area, the better a promise comes true
+EXPECTED_FREEDOM = {"area": 12.0, **dict.fromkeys(("gap", "peak", "conductance", "narrowest"), 5.0)}
 DIVISORS = np.arange(1.5, 4.01, 0.25)
 CLASSES = {
     "percent": "to ± 30 % or less",
@@ -438,9 +440,10 @@ def calibration(bank: pd.DataFrame) -> dict:
         low, high = quantiles(ratio.to_numpy(), octave["weight"].to_numpy(), LEVEL)
         table["octave"][name] = {"down": -low, "up": high}
         table["discretisation"][name] = discretisation_floor(bank, name)
-    scores = {name: scores_of_divisors(groups_of_parts(bank, quantity)) for name, quantity in SHORT.items()}
-    divisors = {name: float(of_name.mean().idxmin()) for name, of_name in scores.items()}
-    table["groups"] = {"freedom": EXPECTED_FREEDOM, "half_width": divisors}
+    groups = {name: groups_of_parts(bank, quantity) for name, quantity in SHORT.items()}
+    divisors = {name: float(scores_of_divisors(of_name).mean().idxmin()) for name, of_name in groups.items()}
+    freedom = {name: EXPECTED_FREEDOM[quantity] for name, quantity in SHORT.items()}
+    table["groups"] = {"freedom": freedom, "half_width": divisors, "other_places": other_places(groups[AREA])}
     return rounded(table)
 
 
@@ -462,20 +465,21 @@ def groups_of_parts(bank: pd.DataFrame, quantity: str) -> pd.DataFrame:
             chosen, others = values[order[:maps]], values[order[maps:]]
             error = (others.mean() - chosen.mean()) / np.sqrt(1 + maps / others.size)
             row = {"kind": kind, "map": name, "load": load, "maps": maps, "error": error}
-            row |= {"deviation": chosen.std(ddof=1), "half_width": widths[order[:maps]].mean()}
+            row |= {"freedom": EXPECTED_FREEDOM[quantity], "deviation": chosen.std(ddof=1), "half_width": widths[order[:maps]].mean()}
             rows.append(row | {"first": widths[order[0]], "range": np.ptp(chosen) / 2})
     return pd.DataFrame(rows)
 
 
-def width_of_groups(groups: pd.DataFrame, divisor: float, freedom: float = EXPECTED_FREEDOM) -> np.ndarray:
-    """Return the half-widths of the means of groups, whose expected scatter counts for so much."""
+def width_of_groups(groups: pd.DataFrame, divisor: float | None) -> np.ndarray:
+    """Return the half-widths of the means of groups, by their half-widths over the expected scatter, if any."""
     effects = random_effects(np.zeros((2, len(groups))), "ab")._replace(
         units=groups["maps"].to_numpy(),
         error=(groups["deviation"] / np.sqrt(groups["maps"])).to_numpy(),
         freedom=groups["maps"].to_numpy() - 1.0,
     )
-    if freedom:
-        effects = moderated(effects, (groups["half_width"] / divisor).to_numpy(), np.array(freedom))
+    if divisor:
+        scatter, freedom = groups["half_width"] / divisor, groups["freedom"]
+        effects = moderated(effects, scatter.to_numpy(), freedom.to_numpy())
     return student(effects.freedom) * effects.error
 
 
@@ -500,7 +504,7 @@ def of_groups(bank: pd.DataFrame) -> pd.DataFrame:
         for name, index in groups.groupby("map").indices.items():
             divisor = scores.drop(index=name, errors="ignore").mean().idxmin()
             width[index] = width_of_groups(groups.iloc[index], divisor)
-        plain = np.where(groups["maps"] == GROUPS[0], groups["range"], width_of_groups(groups, 1.0, 0.0))
+        plain = np.where(groups["maps"] == GROUPS[0], groups["range"], width_of_groups(groups, None))
         groups = groups.assign(width=width, plain=plain)
         for (kind, maps), group in groups.groupby(["kind", "maps"]):
             row = {"quantity": quantity, "maps": kind, "n": maps}
@@ -514,16 +518,34 @@ def of_groups(bank: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def other_places(groups: pd.DataFrame) -> list[float]:
+    """Return constant and power of the half-width at other places over that at one, each map alike.
+
+    A place that is known badly lies among better ones, and one known well among worse.
+    """
+    largest = groups[(groups["maps"] == GROUPS[-1]) & (groups["load"] == HALVED_LOAD)]
+    others = (largest["maps"] * largest["half_width"] - largest["first"]) / (largest["maps"] - 1)
+    power, constant = np.polyfit(np.log(largest["first"]), np.log(others), 1)
+    return [float(constant), float(power)]
+
+
 def halving(bank: pd.DataFrame) -> pd.DataFrame:
     """Return how wide the interval of the mean area of n parts of a map is, over what one of them promised.
 
-    Half-widths of single maps are those by the other maps.
+    Half-widths of single maps, and those at other places, are by the other maps.
     """
     groups = groups_of_parts(bank, SHORT[AREA])
-    groups = groups[groups["load"] == HALVED_LOAD]
-    promised = [half_width_of_mean(row.first, row.maps, 0.0) for row in groups.itertuples()]
+    groups, promised = groups[groups["load"] == HALVED_LOAD], pd.Series(dtype=float)
+    for name, own in groups.groupby("map"):
+        constant, power = other_places(groups[groups["map"] != name])
+        elsewhere = np.exp(constant) * own["first"] ** power
+        of_map = [
+            half_width_of_mean(pair, maps, 0.0)
+            for *pair, maps in zip(own["first"], elsewhere, own["maps"], strict=True)
+        ]
+        promised = pd.concat([promised, pd.Series(of_map, own.index)])
     divisor = calibrated.table()["groups"]["half_width"][AREA]
-    groups = groups.assign(ratio=width_of_groups(groups, divisor) / promised)
+    groups = groups.assign(ratio=width_of_groups(groups, divisor) / promised[groups.index])
     return pd.DataFrame(
         {
             "maps": kind,

@@ -208,8 +208,9 @@ def test_maps_with_an_interval_tell_how_they_are_expected_to_scatter():
     maps = [one_map(gap, gap_parts={"window": 0.5 * gap}) for gap in gaps]
     answer = rc.group_statistics(maps)
     expected = (np.log(1.5) - np.log(0.5)) / 2 / groups["half_width"]["mean_gap"]
-    variance = (groups["freedom"] * expected**2 + np.log(gaps).var(ddof=1)) / (groups["freedom"] + 1)
-    factor = stats.t.ppf(0.975, groups["freedom"] + 1)
+    freedom = groups["freedom"]["mean_gap"]
+    variance = (freedom * expected**2 + np.log(gaps).var(ddof=1)) / (freedom + 1)
+    factor = stats.t.ppf(0.975, freedom + 1)
     for key, square in (("", variance / 2), ("next_", variance * 1.5)):
         ends = [answer[f"mean_gap_{key}{side}"].item() for side in ("lower", "upper")]
         width = factor * np.sqrt(square)

@@ -51,10 +51,9 @@ def scatter_between_maps(name: str, half_width: np.ndarray | float) -> tuple[np.
     `half_width` is that of the source `window` of a map, on the scale of the quantity; so many degrees of
     freedom does it count for beside the scatter of measured maps.
     """
-    groups = table()["groups"]
     # the pressure in contact is the load over the area
-    divisor = groups["half_width"][entry(AREA if name == PRESSURE else name)]
-    return np.asarray(half_width) / divisor, groups["freedom"]
+    key, groups = entry(AREA if name == PRESSURE else name), table()["groups"]
+    return np.asarray(half_width) / groups["half_width"][key], groups["freedom"][key]
 
 
 def arms(

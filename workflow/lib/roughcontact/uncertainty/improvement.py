@@ -1,6 +1,7 @@
 """What would halve the interval of a surface: one line, from the components of the contact area."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import scipy
@@ -32,13 +33,14 @@ _OVERVIEW = "measure an overview, a field three times as long at a quarter of th
 _LONGER_FIELD = "measure a field 3 times as long"
 
 
-def half_width_of_mean(of_window: float, maps: int, shared_error: float) -> float:
+def half_width_of_mean(of_windows: Sequence[float], maps: int, shared_error: float) -> float:
     """Return the median relative half-width of the mean of so many maps, as a group of them will have.
 
-    `of_window` is the relative half-width of the source `window` of one map, `shared_error` that of what all
-    maps share.
+    `of_windows` are the relative half-widths of the source `window` of one map, and of one elsewhere;
+    `shared_error` is that of what all maps share.
     """
-    scatter, expected = scatter_between_maps(AREA, of_window)
+    of_map, elsewhere = of_windows
+    scatter, expected = scatter_between_maps(AREA, (of_map + (maps - 1) * elsewhere) / maps)
     measured = maps - 1.0
     square = 2 * scipy.special.gammaincinv(measured / 2, 0.5)  # median of chi-square
     variance = scatter**2 * (expected + square) / (expected + measured)
@@ -46,20 +48,20 @@ def half_width_of_mean(of_window: float, maps: int, shared_error: float) -> floa
     return math.hypot(float(factor * np.sqrt(variance / maps)), shared_error)
 
 
-def maps_for(half_width: float, of_window: float, shared_error: float) -> int | None:
+def maps_for(half_width: float, of_windows: Sequence[float], shared_error: float) -> int | None:
     """Return how many maps in all have a mean of this relative half-width; None for more than a hundred."""
     counts = range(2, _MAX_MAPS + 1)
-    return next((n for n in counts if half_width_of_mean(of_window, n, shared_error) <= half_width), None)
+    return next((n for n in counts if half_width_of_mean(of_windows, n, shared_error) <= half_width), None)
 
 
 def planning_line(statistics: xr.Dataset) -> str:
     """Return how many places of this size make the contact area known to ± 10 %; empty if it is already."""
-    _, half_width, widths = _known(statistics)
+    area, half_width, widths = _known(statistics)
     of_window = widths.pop("window", math.inf)
     if not math.isfinite(of_window) or half_width <= _PLANNED:
         return ""
     shared_error = math.hypot(*widths.values())
-    if places := maps_for(_PLANNED, of_window, shared_error):
+    if places := maps_for(_PLANNED, _half_widths_of_places(of_window, area), shared_error):
         return f"{counted_noun(places, 'place')} of this size in all"
     if shared_error >= _PLANNED:
         largest = max(widths, key=widths.__getitem__)
@@ -112,9 +114,10 @@ def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
         return "; ".join([*first_steps, _LONGER_FIELD])
     if "window" in widths:
         shared_error = math.hypot(*(width for source, width in widths.items() if source != "window"))
-        advice["window"] = _more_places(half_width, shared_error, of_window)
+        of_windows = _half_widths_of_places(of_window, value)
+        advice["window"] = _more_places(half_width, shared_error, of_windows)
         if overview and f"{AREA}_alone_lower" not in statistics:
-            promised = math.hypot(shared_error, _width_with_overview(of_window, value))
+            promised = math.hypot(shared_error, _by_the_bank(table()["overview_promise"], of_window, value))
             if promised < _WORTHWHILE * half_width:
                 text = f"{_OVERVIEW} (to about ± {percent(promised)})"
                 advice["window"] = f"{text}, or {advice['window'].removeprefix('measure ')}"
@@ -143,9 +146,14 @@ def _advice(statistics: xr.Dataset) -> tuple[list[str], dict[str, str]]:
     return [f"clean the summit at ({x}, {y})"], advice
 
 
-def _width_with_overview(of_window: float, area: float) -> float:
-    """Return the relative half-width that an overview would leave of that of the window, by the bank."""
-    constant, power = table()["overview_promise"]
+def _half_widths_of_places(of_window: float, area: float) -> tuple[float, float]:
+    """Return the relative half-widths of the window of a map, and of another place."""
+    return of_window, _by_the_bank(table()["groups"]["other_places"], of_window, area)
+
+
+def _by_the_bank(line: Sequence[float], of_window: float, area: float) -> float:
+    """Return the relative half-width that follows from that of the window, by a line of their logarithms."""
+    constant, power = line
     step = np.array([-1e-3, 1e-3])  # on the scale, over which d ln A is taken
     slope = float(np.diff(np.log(from_scale(AREA, to_scale(AREA, np.array(area)) + step)))[0] / np.ptp(step))
     return slope * math.exp(constant) * (of_window / slope) ** power
@@ -166,12 +174,12 @@ def _known(statistics: xr.Dataset) -> tuple[float, float, dict[str, float]]:
     return value, float(relative_half_width(value, lower, upper)), widths_of_sources
 
 
-def _more_places(half_width: float, shared_error: float, of_window: float) -> str:
+def _more_places(half_width: float, shared_error: float, of_windows: Sequence[float]) -> str:
     """Return how many more maps of this size halve the interval."""
-    target = half_width / 2 if shared_error < half_width / 2 else math.hypot(shared_error, of_window / 2)
-    maps = maps_for(target, of_window, shared_error)
+    target = half_width / 2 if shared_error < half_width / 2 else math.hypot(shared_error, of_windows[0] / 2)
+    maps = maps_for(target, of_windows, shared_error)
     if maps is None:
         return "measure more places"
-    half_width_of_maps = half_width_of_mean(of_window, maps, shared_error)
+    half_width_of_maps = half_width_of_mean(of_windows, maps, shared_error)
     text = f" (their mean: to about ± {percent(half_width_of_maps)})" if half_width_of_maps < 1 else ""
     return f"measure {counted_noun(maps - 1, 'more place')} of this size{text}"
