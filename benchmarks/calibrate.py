@@ -465,13 +465,17 @@ def groups_of_parts(bank: pd.DataFrame, quantity: str) -> pd.DataFrame:
             chosen, others = values[order[:maps]], values[order[maps:]]
             error = (others.mean() - chosen.mean()) / np.sqrt(1 + maps / others.size)
             row = {"kind": kind, "map": name, "load": load, "maps": maps, "error": error}
-            row |= {"freedom": EXPECTED_FREEDOM[quantity], "deviation": chosen.std(ddof=1), "half_width": widths[order[:maps]].mean()}
+            row |= {
+                "freedom": EXPECTED_FREEDOM[quantity],
+                "deviation": chosen.std(ddof=1),
+                "half_width": widths[order[:maps]].mean(),
+            }
             rows.append(row | {"first": widths[order[0]], "range": np.ptp(chosen) / 2})
     return pd.DataFrame(rows)
 
 
 def width_of_groups(groups: pd.DataFrame, divisor: float | None) -> np.ndarray:
-    """Return the half-widths of the means of groups, by their half-widths over the expected scatter, if any."""
+    """Return the half-widths of the means of groups, by half-width over expected scatter, if any."""
     effects = random_effects(np.zeros((2, len(groups))), "ab")._replace(
         units=groups["maps"].to_numpy(),
         error=(groups["deviation"] / np.sqrt(groups["maps"])).to_numpy(),
@@ -553,14 +557,14 @@ def halving(bank: pd.DataFrame) -> pd.DataFrame:
             "surfaces": part["map"].nunique(),
             "width over promise": f"{part['ratio'].median():.2f}",
             "of nine in ten groups": "{:.2f} to {:.2f}".format(*part["ratio"].quantile([0.05, 0.95])),
-            "off by a factor, median": f"{_factor(part['ratio']).median():.2f}",
-            "nine in ten": f"{_factor(part['ratio']).quantile(0.9):.2f}",
+            "off by a factor, median": f"{factor_off(part['ratio']).median():.2f}",
+            "nine in ten": f"{factor_off(part['ratio']).quantile(0.9):.2f}",
         }
         for (kind, maps), part in groups.groupby(["kind", "maps"])
     )
 
 
-def _factor(ratio: pd.Series) -> pd.Series:
+def factor_off(ratio: pd.Series) -> pd.Series:
     """Return by which factor numbers differ from 1."""
     return np.exp(np.log(ratio).abs())
 

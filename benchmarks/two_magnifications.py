@@ -288,8 +288,8 @@ def _weighted(errors: pd.DataFrame, by: list[str]) -> pd.DataFrame:
 
 def size_of(errors: pd.DataFrame, measurand: str) -> np.ndarray:
     """Return the expected size of errors, from the overview alone."""
-    share = overview.SHARE_OF_PLACES[measurand]
-    return overview.expected_size(errors["octave"].to_numpy(), errors["places"].to_numpy(), share)
+    shown = (errors[key].to_numpy() for key in ("change", "octave", "places"))
+    return overview.expected_size(measurand, *shown)
 
 
 def coefficient_of(errors: pd.DataFrame) -> float:
@@ -455,8 +455,8 @@ def promise(fine: pd.DataFrame, overviews: pd.DataFrame) -> tuple[list[float], p
         features = {key: getattr(row, key) for key in calibrate.FEATURES}
         alone.append(float(sum(calibrated.arms("surface", AREA, features, area))[0]) / 2)
         _, *arms = calibrated.overview_arms("surface", AREA, FACTORS[1], area)
-        scatters = (np.array([getattr(row, f"{AREA}_{key}")]) for key in ("octave", "places"))
-        size = overview.expected_size(*scatters, overview.SHARE_OF_PLACES["surface"])
+        shown = (np.array([getattr(row, f"{AREA}_{key}")]) for key in ("surface", "octave", "places"))
+        size = overview.expected_size("surface", *shown)
         both.append(float((sum(arms) * size)[0]) / 2)
     line = np.polyfit(np.log(alone), np.log(both), 1)[::-1]
     ratio = np.array(both) / np.exp(line[0] + line[1] * np.log(alone))
@@ -538,8 +538,9 @@ def main() -> None:
         calibrate.TABLE.write_text(json.dumps(content, indent=1) + "\n")
         content["overview_promise"], ratio = promise(fine, overviews)
         calibrate.TABLE.write_text(json.dumps(content, indent=1) + "\n")
-        shares = ratio.quantile([0.05, 0.25, 0.5, 0.75, 0.95]).round(2)
-        tables["promise"] = shares.rename_axis("share of parts").reset_index(name="width over promise")
+        of_ratio = {"width over promise": ratio, "off by a factor": calibrate.factor_off(ratio)}
+        shares = pd.DataFrame(of_ratio).quantile([0.05, 0.25, 0.5, 0.75, 0.9, 0.95]).round(2)
+        tables["promise"] = shares.rename_axis("share of parts").reset_index()
         for name, table in tables.items():
             table.to_csv(RESULTS / f"{name.replace(' ', '_')}.csv", index=False)
     pages.show(tables)

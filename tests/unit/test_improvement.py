@@ -45,7 +45,9 @@ def promised_over_found(hurst, longest, seed):
     widths = [float(found[area].sel(source="window")[0, :2].mean() / found[AREA][0]) for found in maps]
     mean = group_statistics(maps)
     value, lower, upper = (float(mean[f"{AREA}{suffix}"][0]) for suffix in ("", "_lower", "_upper"))
-    return half_width_of_mean([float(np.median(widths))] * 2, len(maps), 0.0) / ((upper - lower) / (2 * value))
+    return half_width_of_mean([float(np.median(widths))] * 2, len(maps), 0.0) / (
+        (upper - lower) / (2 * value)
+    )
 
 
 def test_the_mean_of_more_maps_is_known_as_well_as_the_line_promises():
@@ -191,7 +193,8 @@ def test_an_overview_comes_first_with_what_the_bank_promises():
 
 def test_the_overview_holds_what_is_promised():
     """The width that an overview leaves of the area, over the promise: of 216 parts of measured maps."""
-    quantiles = pd.read_csv(RESULTS.parent / "overview" / "promise.csv", index_col=0)["width over promise"]
-    assert 1 / 1.3 < quantiles[0.5] < 1.3
-    assert quantiles[0.05] > 0.5
-    assert quantiles[0.95] < 2.7  # within a factor of 1.4 in the median, of 2.2 in nine of ten
+    quantiles = pd.read_csv(RESULTS.parent / "overview" / "promise.csv", index_col=0)
+    assert 1 / 1.3 < quantiles["width over promise"][0.5] < 1.3
+    assert quantiles["width over promise"][0.05] > 0.5
+    assert quantiles["off by a factor"][0.5] < 1.42
+    assert quantiles["off by a factor"][0.9] < 2.2

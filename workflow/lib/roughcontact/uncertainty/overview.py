@@ -15,10 +15,11 @@ for it, or else the fine map with its pixels merged, whose lens is not that of t
 noise do not cancel, and the arms are those of such overviews of the bank. Several overviews are averaged.
 
 The error that is left goes with what coarser pixels change from place to place, which the overview shows
-with its own pixels merged 2 x 2, and with the scatter of the places. The arms are quantiles of the errors of
-a bank over this size (`benchmarks/two_magnifications.py`). They hold also where they are wider than those of
-the fine map alone: to take the narrower ones instead would hold in 88 % of the gaps at the heaviest load. The
-largest pressure is a matter of single points, of which an overview tells less than the map: it keeps its own.
+with its own pixels merged 2 x 2, with the scatter of the places, and with the change itself. The arms are
+quantiles of the errors of a bank over this size (`benchmarks/two_magnifications.py`). They hold also where
+they are wider than those of the fine map alone: to take the narrower ones instead would hold in 87 % of the
+gaps at the heaviest load. The largest pressure is a matter of single points, of which an overview tells less
+than the map: it keeps its own.
 """
 
 import math
@@ -48,8 +49,9 @@ from roughcontact.uncertainty.subwindows import Scatter, Slices, relevelled, sca
 
 OTHER_PLACES: tuple[Measurand, ...] = ("surface", "next", JOINT)
 # of their scatter, in the size
-SHARE_OF_PLACES: dict[str, float] = dict(zip(OTHER_PLACES, (0.3, 1.0, 0.3), strict=True))
+_SHARE_OF_PLACES: dict[str, float] = dict(zip(OTHER_PLACES, (0.3, 1.0, 0.3), strict=True))
 MAX_PLACES = 5  # along each side: more tell little more, and cost
+_SHARE_OF_CHANGE = 0.3  # in the size: what an overview moves a result by, it moves it too far or not enough
 _LEAST_SIZE = 0.05  # of a logarithm
 _SAME_PIXELS = 0.01  # relative difference
 
@@ -77,14 +79,17 @@ class View(NamedTuple):
         share, down, up = calibration.overview_arms(
             measurand, name, self.pixels, area, sees_map=self.sees_map
         )
-        size = expected_size(transfer.octave, transfer.places, SHARE_OF_PLACES[measurand])
         change = transfer.joint if measurand == JOINT else transfer.surface
+        size = expected_size(measurand, change, transfer.octave, transfer.places)
         return share * change, down * size, up * size
 
 
-def expected_size(octave: np.ndarray, places: np.ndarray, share: float) -> np.ndarray:
-    """Return the expected size of an error on a scale, from the scatters of its octave and its places."""
-    return np.sqrt(octave**2 + (share * places) ** 2 + _LEAST_SIZE**2)
+def expected_size(
+    measurand: Measurand, change: np.ndarray, octave: np.ndarray, places: np.ndarray
+) -> np.ndarray:
+    """Return the expected size of an error from the numbers of a `Transfer`, on the scale."""
+    scatter = octave**2 + (_SHARE_OF_PLACES[measurand] * places) ** 2
+    return np.sqrt(scatter + (_SHARE_OF_CHANGE * change) ** 2 + _LEAST_SIZE**2)
 
 
 def scatter_with_overviews(
