@@ -42,6 +42,7 @@ def divide(spectrum: Array, symbol: Array, weights: Array) -> float:
     """
     xp, energy = namespace(spectrum), 0.0
     for block in _ALL_BUT_MEAN:
+        # before the division: u p, not p squared
         energy += _sum(xp, weights[block[1]] * (_power(xp, spectrum[block]) / symbol[block]))
         spectrum[block] /= symbol[block]
     spectrum[0, 0] = 0
@@ -59,6 +60,7 @@ def inverse_root(along_y: Array, along_x: Array, out: Array) -> None:
     """
     xp = namespace(out)
     square = along_y[:, None] + along_x
+    # of q = 0, without a division by zero
     out[...] = xp.where(square == 0, xp.full_like(square, float("inf")), 2 / xp.sqrt(_or_one(xp, square)))
 
 
@@ -108,7 +110,7 @@ def measure(
     `previous` are pressure and separation before the step.
     """
     xp = namespace(pressure)
-    displacement = xp.asarray(separation, copy=True)
+    displacement = xp.asarray(separation, copy=True)  # the pass works in place, and its energy needs both
     separation -= (heights - reference) / unit
     free = (pressure > 0) & (pressure < cap)
     change = pressure - start
@@ -142,6 +144,7 @@ def masked_residual(
     gap = separation - offset
     active = active_set(pressure, gap, cap)
     values[...] = xp.astype(xp.where(active, gap, xp.zeros_like(gap)), values.dtype)
+    # zero stands for "not active": an active point whose gap is closed needs another value
     values[...] = xp.where(active & (values == 0), xp.full_like(values, CLOSED), values)
     block_mean(xp.astype(values != 0, share.dtype), factors, share)
     block_mean(values, factors, cell_means)
@@ -169,6 +172,7 @@ def predict_active(
     neighbours(residual, weights, mean_around)
     # the stiffness of a single point: pressure over its height above its neighbours
     prediction = pressure - stiffness * (residual - mean_around)
+    # what bears the cap does not lose its contact
     active = (values != 0) & ((prediction > 0) | (pressure >= cap))
     values[...] = xp.where(active, values, xp.zeros_like(values))
     block_mean(xp.astype(values != 0, share.dtype), factors, share)
@@ -198,9 +202,10 @@ def advance(
     active, full = values != 0, pressure >= cap
     full_correction = correction + (inflow + _distributed(coarse, factors, pressure.shape))
     next_pressure = xp.astype(pressure, out.dtype)
-    next_pressure[full] = cap
+    next_pressure[full] = cap  # what yields bears the cap exactly, whatever rounding has made of it
     next_pressure -= xp.where(active, length * (full_correction - mean), xp.zeros_like(full_correction))
     projection = _clipped(xp, next_pressure, cap)
+    # inactive points stay without load
     projection = xp.where(active | full, projection, xp.zeros_like(projection))
     out[...] = projection
     values[...] = xp.astype((projection > 0) & (projection < cap), values.dtype)
@@ -287,6 +292,7 @@ def block_mean(field: Array, factors: Factors, out: Array) -> None:
     """
     xp = namespace(field)
     for axis in (0, 1):
+        # the last block may be incomplete: what is missing counts as zero
         missing = out.shape[axis] * factors[axis] - field.shape[axis]
         if missing:
             shape = (missing, field.shape[1]) if axis == 0 else (field.shape[0], missing)
@@ -337,6 +343,7 @@ def neighbours(field: Array, weights: Weights, out: Array) -> None:
     """Write the weighted means of the eight neighbours, with periodic boundaries, to `out`."""
     xp = namespace(field)
     across_y, across_x, diagonal = weights
+    # three passes instead of nine: the stencil is the same on both sides
     column = xp.roll(field, 1, axis=0) + xp.roll(field, -1, axis=0)
     row = across_x * field + diagonal * column
     out[...] = xp.roll(row, 1, axis=1) + xp.roll(row, -1, axis=1) + across_y * column
@@ -417,6 +424,7 @@ def refine(
     load beyond the cap passed on in the cell.
     """
     xp = namespace(coarse)
+    # the pressure of a smooth contact falls as a root at its edge: its square is nearly linear there
     square = _continued(xp, coarse * coarse)
     (fy, fx), (ny, nx) = factors, coarse.shape
     neighbours(heights, weights, out)
@@ -424,14 +432,17 @@ def refine(
     blocks = xp.reshape(out, (ny, fy, nx, fx))
     for ky in range(fy):
         for kx in range(fx):
+            # position of the fine cell, in coarse cells from the middle of its own
             at_y, at_x = (ky + 0.5) / fy - 0.5, (kx + 0.5) / fx - 0.5
             along_x = _shifted(xp, square, at_x, 1)
             blocks[:, ky, :, kx] = xp.sqrt(xp.clip(_shifted(xp, along_x, at_y, 0), 0, None))
     total = xp.sum(blocks, axis=(1, 3))
     load = fy * fx * coarse
     blocks *= (load / _or_one(xp, total))[:, None, :, None]
+    # height above the neighbours carries more, as much as a single point would
     blocks += detail
     blocks -= _level(xp, blocks, load)
+    # a sliver of load would keep a point in contact that should leave it
     blocks *= xp.astype(blocks > (NEGLIGIBLE_LOAD * load)[:, None, :, None], blocks.dtype)
     total = xp.sum(blocks, axis=(1, 3))
     blocks *= (load / _or_one(xp, total))[:, None, :, None]
@@ -439,6 +450,7 @@ def refine(
     blocks += lost[:, None, :, None]
     if cap < float("inf"):
         blocks = _limit_to_cap(xp, blocks, load, cap)
+        # a coarse cell that yields as a whole does so in all its parts
         blocks[xp.broadcast_to((coarse >= cap)[:, None, :, None], blocks.shape)] = cap
     out[...] = xp.reshape(blocks, out.shape)
 
@@ -480,6 +492,7 @@ def _continued(xp: Any, square: Array) -> Array:
             if (ey, ex) != (0, 0):
                 neighbour = xp.roll(square, (ey, ex), axis=(0, 1))
                 second_neighbour = xp.roll(square, (2 * ey, 2 * ex), axis=(0, 1))
+                # by two cells in a row where there are two, else mirrored to the opposite sign
                 guess = xp.where(second_neighbour > 0, 2 * neighbour - second_neighbour, -neighbour)
                 total += xp.where(neighbour > 0, guess, xp.zeros_like(neighbour))
                 count += xp.astype(neighbour > 0, square.dtype)
@@ -505,6 +518,7 @@ def active_set(pressure: Array, gap: Array, cap: float) -> Array:
     They carry a pressure below the cap, overlap without pressure, or have a positive gap at the cap.
     """
     no_load, at_cap = pressure <= 0, pressure >= cap
+    # points that bear nothing but overlap, points at the cap that have opened, and all in between
     return (no_load & (gap < 0)) | (at_cap & (gap > 0)) | ~(no_load | at_cap)
 
 

@@ -28,6 +28,7 @@ def n_elements(field: Array) -> int:
 
 def like_array(values: np.ndarray, like: Array) -> Array:
     """Return the values of a NumPy array in the library and on the device of `like`."""
+    # NumPy needs no transfer, and not the import of the other libraries' interface
     return values if isinstance(like, np.ndarray) else namespace(like).asarray(values, device=like.device)
 
 
@@ -43,12 +44,14 @@ def to_numpy(field: Array) -> np.ndarray:
 
 def get_precision(field: Array) -> str:
     """Return the precision, `SINGLE` or `DOUBLE`, of a real field of any library."""
+    # all other types are computed in double
     return SINGLE if field.dtype == namespace(field).float32 else DOUBLE
 
 
 def empty(like: Array, precision: str, shape: tuple[int, ...] | None = None) -> Array:
     """Return an uninitialised array of the library and on the device of `like`, by default of its shape."""
     shape = like.shape if shape is None else shape
+    # from the pool: in every solve the same arrays are needed again
     if isinstance(like, np.ndarray):
         return store.empty(shape, precision)
     xp = namespace(like)

@@ -30,7 +30,7 @@ def library_available() -> bool:
         warnings.warn(
             f"no compiled kernels ({problem}): a solve takes several times as long. Install a C compiler, or "
             "the package ziglang, and then roughcontact again",
-            stacklevel=2,
+            stacklevel=2,  # where the solution was called
         )
         return False
     return True

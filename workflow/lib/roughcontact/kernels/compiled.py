@@ -17,6 +17,7 @@ from roughcontact.kernels.memory import store
 from roughcontact.kernels.threads import threads_for
 
 LIBRARY = Path(__file__).with_name(
+    # names that the builds of all systems give it
     "libkernels" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 )
 _SOURCES = "c"  # folder beside this file; naming it here includes it in the digest of the sources
@@ -77,6 +78,7 @@ def library() -> ctypes.CDLL:
     """
     compiled_library = ctypes.CDLL(str(LIBRARY))
     try:
+        # a library of other sources may have other arguments, which would be read as if they were these
         find = compiled_library.find_pass_given
         find.argtypes, find.restype = (ctypes.c_char_p, ctypes.c_int64), ctypes.c_void_p
         # name of the pass in single precision: a letter for each kind of array
@@ -100,9 +102,11 @@ def _find(name, widths):
     bytes_of = {"D": 8, "b": 1}
     for letter, width in zip(_ARGUMENTS[name][0], widths, strict=True):
         key, real_width = ("r", width // 2) if letter == "c" else (letter, width)
+        # the first array of a letter fixes the width of its kind
         if bytes_of.setdefault(key, real_width) != real_width:
             raise TypeError(f"{name}: arrays with items of {widths} bytes cannot be combined")
     types = "".join({4: "f", 8: "d"}[width] for key, width in bytes_of.items() if key not in "Db")
+    # two letters, as in the names of the passes in C
     address = library().find_pass_given(f"{name}_{types}".encode(), _structs[name].size)
     if address is None:
         raise TypeError(f"{name}: there is no pass for precisions {types}")
@@ -137,6 +141,7 @@ class Compiled:
         missing, *_, lowest, highest = self._run("extent", rows, 2 * nx, (field,), nx)
         return lowest, highest, int(missing)
 
+    # a product takes less time than a quotient
     def make_dimensionless(self, heights, reference, unit, out):
         rows, nx = out.shape
         self._run("make_dimensionless", rows, 0, (heights, out), reference, 1 / unit, nx)
@@ -237,6 +242,7 @@ class Compiled:
     def small_grids(self, grids, stores, stops):
         cells = [stop - start for start, stop in pairwise(stops)]
         limit = SMALL_GRID["one thread" if self.threads == 1 else "several threads"]
+        # large grids take several threads each, so that they are called one by one
         small = sum(count > limit for count in cells)
         return CompiledSmallGrids(grids, stores, stops, small) if small < len(grids) else None
 
@@ -285,6 +291,7 @@ class CompiledSmallGrids:
         self._counts, self._longest = (len(table), small == 0), max(row[1] for row in table)
         # the coarsest is weighed row by row
         rows = [*(row[2] for row in table[1:]), 1]
+        # work memory of the widest block of rows, over all small grids
         self._scratch = max((height + 1) * row[1] for height, row in zip(rows, table, strict=True))
 
     def weigh(self):
@@ -307,6 +314,7 @@ def run_pass(name, rows, scratch, arrays, *numbers, threads=1):
 
     `scratch` is the number of floats of work memory for each thread, `threads` the maximum number.
     """
+    # one packed struct: ctypes would convert every argument by itself
     arguments = _pack[name](*[_address(_view(array)) for array in arrays], *numbers)
     address = _find(name, tuple([array.itemsize for array in arrays]))
     results = _Results()

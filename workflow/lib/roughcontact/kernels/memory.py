@@ -74,6 +74,7 @@ class Store:
         return array.reshape(shape)
 
     def _array_freed(self, reference: weakref.ref) -> None:
+        # called by the garbage collector at any time: a queue needs no lock
         self._returned.append(self._in_use.pop(id(reference))[1])
 
     def bytes_in_use(self) -> int:
@@ -102,6 +103,7 @@ class Store:
             self._pages = _new_pages(self.limit)
             self._free = [(0, len(self._pages))]
         size = _round_to_pages(size)
+        # the first that fits: later arrays are mostly as large as earlier ones
         for number, (start, stop) in enumerate(self._free):
             if stop - start >= size:
                 self._free[number : number + 1] = [(start + size, stop)] if stop - start > size else []
@@ -110,6 +112,7 @@ class Store:
 
     def _reclaim_returned(self) -> None:
         while self._returned:
+            # sorted, so that neighbours can be merged
             insort(self._free, self._returned.popleft())
         ranges, self._free = self._free, []
         for start, stop in ranges:
@@ -119,7 +122,7 @@ class Store:
     def _release_free(self) -> None:
         self._reclaim_returned()
         if self._free == [(0, self._size())]:
-            self._pages, self._free = None, []
+            self._pages, self._free = None, []  # nothing in use: the pages go back to the system
         elif self._pages is not None and hasattr(mmap, "MADV_DONTNEED"):  # not on Windows
             for start, stop in self._free:
                 self._pages.madvise(mmap.MADV_DONTNEED, start, stop - start)

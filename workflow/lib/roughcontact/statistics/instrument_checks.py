@@ -66,13 +66,14 @@ def smoothed(window: Attributes) -> Check:
     A spectrum that ends before the pixel (lens, filter, interpolation) or bends down in its last octave
     (lens), blunt peaks (stylus) and repeated heights (median filter) show that it was not.
     """
-    if window.get("periodisation") == "none":
+    if window.get("periodisation") == "none":  # a synthetic map has no instrument
         return not_made(_PERIODIC_MAP)
     if "spectrum_exponent" not in window:
         return not_made(_FEW_WAVES)
     traces = [
         trace for look in (_shape_of_spectrum, _blunt_peaks, _repeated_heights) if (trace := look(window))
     ]
+    # what is stated already is no reason to ask again
     if open_traces := [trace for trace in traces if trace.remedies]:
         remedies = ", or ".join(dict.fromkeys(remedy for trace in open_traces for remedy in trace.remedies))
         sentence, *further = [f"{trace.sentence}." for trace in open_traces]
@@ -123,6 +124,7 @@ def _blunt_peaks(window: Attributes) -> _Trace | None:
     if window["rounded_peaks"] <= ROUNDED:
         return None
     radius = window["sharpest_peak_radius"]
+    # half the radius: its estimate from the sharpest peaks is coarse
     if (Instrument.read(window).tip_radius or 0.0) > radius / 2:
         return _Trace("Peaks are rounded, as the stated tip radius says")
     return _Trace(
@@ -171,6 +173,7 @@ def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
     """Check that no single summit stands far above all others and carries a pressure far above the mean."""
     if "summit_chance" not in window:
         return not_made("Not made: the map has no summit.")
+    # at the load where it is largest: at low loads a summit is alone
     over_mean = float((statistics["max_pressure"] / statistics["mean_contact_pressure"]).max())
     times = f"{number(over_mean, digits=2)} times the mean in contact"
     if not (over_mean > PEAK_OVER_MEAN and window["summit_chance"] < CHANCE):
@@ -194,6 +197,7 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
         return not_made(_FEW_WAVES)
     share, stated_noise = float(window["noise_gradient_share"]), Instrument.read(window).noise or 0.0
     if stated_noise and window["noise_floor"] > 0:
+        # the gradient of white noise goes with its rms height
         share *= (stated_noise / window["noise_floor"]) ** 2
         text = f"The stated noise of {quantity(stated_noise, 'm')} makes up {_share(share)} of the {_SQUARE}"
         if "corrected_for" in window:
@@ -220,6 +224,7 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
 
 def suspected_noise(window: Attributes) -> float:
     """Return the rms (m) of the white noise that the check "Noise" suspects, 0 where it suspects none."""
+    # a flat end alone says nothing: it has to matter for the gradient
     is_suspect = _ends_flat(window) and window["noise_gradient_share"] > NOISE_SHARE
     return float(window["noise_floor"]) if is_suspect else 0.0
 
@@ -279,6 +284,7 @@ def is_too_coarse(window: Attributes) -> bool:
     >>> [is_too_coarse({"quantisation_step": step, "Sq": 1e-7}) for step in (2e-8, 5e-8)]
     [False, True]
     """
+    # of a flat map no step is too coarse
     return coarse_step(window) > TOO_COARSE_STEP * float(window.get("Sq", np.inf))
 
 
@@ -318,6 +324,7 @@ def height_unit(height: Attributes, window: Attributes) -> Check:
             "Not made: the noise of the instrument does not show in a map that is smooth at its pixels."
         )
     rough = float(window["pixel_roughness"])
+    # a small pixel tells a probe microscope where the file says nothing
     probe = instrument_kind(height) is PROBE or window.get("pixel_pitch", 1.0) < _PROBE_PIXEL
     quietest, instruments = (QUIETEST_PROBE, "probe microscopes") if probe else (QUIETEST, "profilers")
     text = f"Neighbouring points differ as with a noise of {quantity(rough, 'm', digits=2)}"
@@ -344,6 +351,7 @@ def pixel_size(height: Attributes, window: Attributes) -> Check:
     times = _magnification(height)
     if not times:
         return passed(f"{subject} those of {instrument.words}.")
+    # a pixel on the surface is one of the camera, over the magnification
     camera = pixel * times
     lens = f"{instrument.words} with a lens of {number(times, digits=2)}×"
     if not _CAMERA[0] <= camera <= _CAMERA[1]:
@@ -362,5 +370,6 @@ def instrument_kind(height: Attributes) -> Kind:
 def _magnification(height: Attributes) -> float:
     """Return the magnification of the lens, 0 where the file does not say."""
     instrument = json_attribute(height, "instrument")
+    # "50x" in the name of a lens, not the "x" of a word
     match = re.search(r"\b(\d+(?:\.\d+)?) ?[xX×](?!\w)", str(instrument.get("lens", "")))
     return float(instrument.get("magnification") or (match[1] if match else 0.0))

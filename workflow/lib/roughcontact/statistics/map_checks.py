@@ -50,7 +50,7 @@ def missing_points(statistics: xr.Dataset, height: Attributes, attrs: Attributes
     doubtful, wrong = FILLED_IN_CONTACT
     coverage = f"{percent(missing)} of the points were not" if missing else "Every point was"
     points = f"{coverage} measured; {removals} were rejected as outliers; {percent(fill)} were filled in"
-    if not in_contact > doubtful:
+    if not in_contact > doubtful:  # false also of NaN
         return passed(f"{points}, and at most {percent(in_contact)} of the contact lies on them.")
     return (failed if in_contact > wrong else review)(
         f"Up to {percent(in_contact)} of the contact lies on points that were filled in: "
@@ -79,9 +79,9 @@ def outliers(statistics: xr.Dataset, attrs: Attributes) -> Check:
     kinds = rejected_by_kind(attrs)
     text = f"{counted_noun(removals, 'point')} {was} rejected as {noun}" + (f" ({kinds})" if kinds else "")
     shares = statistics["rejected_load_share"].values if "rejected_load_share" in statistics else np.nan
-    if np.isnan(shares).all():
+    if np.isnan(shares).all():  # levelled without keeping the rejected heights
         return review(f"{text}. The load that {they} would carry if {they} were kept is not known.")
-    share = float(np.nanmax(shares))
+    share = float(np.nanmax(shares))  # of the load with the largest share
     text += f"; if {they} were kept, {they} would carry {percent(share)} of the load"
     text += " at most" if statistics.sizes["load"] > 1 else ""
     if share <= REJECTED_LOAD:
@@ -110,6 +110,7 @@ def scan_lines(attrs: Attributes, statistics: xr.Dataset | None = None) -> Check
             f"The rows share shifts of {jitter} of the rms height (rms), which may be drift of the scanner "
             "or a lay along the rows"
         )
+    # what the user asked for is no finding
     if alignment != "none" and attrs.get("line_alignment_by") == "user":
         return passed(f"{text}; they were aligned as asked ({alignment}).")
     if attrs.get("row_jitter", 0.0) <= ROW_JITTER:
@@ -124,6 +125,7 @@ def scan_lines(attrs: Attributes, statistics: xr.Dataset | None = None) -> Check
 def _lay_along_rows(statistics: xr.Dataset) -> bool:
     """Return whether the strongest waves run from row to row, and the map has a lay."""
     isotropy, direction = (float(statistics.get(name, np.nan)) for name in ("Str", "Std"))
+    # Std of 90 degrees: strongest waves along y, ridges along x
     return isotropy <= _LAY and abs(direction - 90) <= _ALONG
 
 
@@ -195,7 +197,7 @@ def window_share(window: Attributes) -> Check:
     """
     share = window.get("window_share", 1.0)
     text = f"The solved window covers {percent(share)} of the measured map."
-    if not share < WINDOW_SHARE:
+    if not share < WINDOW_SHARE:  # false also of NaN
         return passed(text)
     return review(text, explanation="The rest was cropped away.", advice="See the frame on the levelled map.")
 
@@ -216,7 +218,9 @@ def faces(attrs: Attributes, window: Attributes) -> Check | None:
     pitches, share = attrs["face_pitches"], float(attrs["covered_share_of_larger"])
     ratio, limit = max(pitches) / min(pitches), 2 * max(pitches)
     pixels = "The faces have pixels of " + " and ".join(quantity(float(pitch), "m") for pitch in pitches)
+    # waves shorter than the coarser face resolves are not solved: nothing is missing
     if ratio > FACE_PITCHES[0] and window.get("band_shortest", 0.0) < limit * (1 - 1e-6):
+        # half of the mean square gradient is that of the coarser face
         too_large = percent(float(np.sqrt(2 / (1 + ratio**-0.4))) - 1)
         return (failed if ratio > FACE_PITCHES[1] else review)(
             f"{pixels}: the coarser one has no wave shorter than {quantity(limit, 'm')}, so that areas are "
@@ -274,6 +278,7 @@ def lay(statistics: xr.Dataset, window: Attributes) -> Check | None:
         return review(" ".join(warnings))
     if stated := lay_facts(window).finding:
         return passed(stated.format(stretch=number(window.get("stretch", 1.0))))
+    # a map has both lengths, and needs no statement
     if not np.isnan([statistics[f"window_length_{axis}"] for axis in "xy"]).any():
         return None
     comparison = ""
@@ -371,6 +376,7 @@ def reading(height: Attributes, attrs: Attributes) -> Check:
         return passed("Read without a warning.")
     findings = dict(zip(warnings, warnings, strict=True))
     spikes = measurement.spikes if attrs.get("outlier_threshold") else {}
+    # the same sentences, with what levelling did about them
     findings.update(spikes)  # the check of the outliers judges them
     if spikes:
         success = "and removed" if attrs.get("outliers_rejected") else "in vain: none was removed"

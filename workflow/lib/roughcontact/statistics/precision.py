@@ -43,6 +43,7 @@ def widened(value_and_ends: Sequence[Any], factors: Sequence[Any]) -> tuple[Any,
     """
     value, lower, upper = value_and_ends
     with np.errstate(divide="ignore", invalid="ignore"):
+        # independent factors: their logarithms add in squares
         below, above = (
             np.exp(np.hypot(np.log(bound / value), np.log(factor)))
             for bound, factor in zip((lower, upper), factors, strict=True)
@@ -62,6 +63,7 @@ def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
         return "percent", float(_SMALLEST_PERCENTS)
     if value > 0 and not math.isnan(lower + upper):
         half_width, factor = max(value - lower, upper - value) / value, math.inf
+        # rounding must not lift 30 to 35 percent
         percents = max(_SMALLEST_PERCENTS, _STEP * math.ceil(100 * half_width / _STEP - 1e-9))
         if percents <= PERCENT:
             return "percent", float(percents)

@@ -84,6 +84,7 @@ def yield_stresses(body: Body) -> list[float]:
     >>> yield_stresses({"yield_stress": 7e8, "layers": [{"thickness": 2e-6}]})
     [inf, 700000000.0]
     """
+    # what nobody states never yields
     return [material.get("yield_stress") or math.inf for material in materials_in(body)]
 
 
@@ -96,6 +97,7 @@ def largest_over_yield(statistics: Mapping[str, Any] | xr.Dataset, body: Body) -
     >>> print(largest_over_yield({"material_von_mises_stress": [[3.5e9, 7e8]]}, film))
     [1.]
     """
+    # with layers each material has its own limit
     stresses = statistics.get("material_von_mises_stress")  # of several materials
     if stresses is None:
         stresses = np.asarray(statistics["max_von_mises_stress"])[..., None]
@@ -119,13 +121,16 @@ def stress_columns(
     pressure_field, origin = pressure, [0, 0]
     if border:  # the half-space goes on beyond the map
         sides = sides_around(pressure > 0, lambda width: 0)
+        # an eighth of the width: beyond it stresses are below those in the middle
         margins = [2 + (side.stop - side.start - 1) // 8 for side in sides]
         pressure_field = np.pad(pressure[sides], [(margin, margin) for margin in margins])
         origin = [side.start - margin for side, margin in zip(sides, margins, strict=True)]
     elastic = {"body": body_stack(body)} if has_layers else {"poissons_ratio": body["poissons_ratio"]}
     stress_at = subsurface_stress(pressure_field, steps, images=not border, **elastic)
     sections = _depths(pressure.shape, steps, body)
+    # of a rigid base, which has no ratio, the uniform stress does not matter
     ratio = body.get("poissons_ratio") or 0.0
+    # of the mean pressure alone, whose sides cannot give way (oedometer)
     uniform_stress = float(pressure.mean()) * (1 - 2 * ratio) / (1 - ratio)
     is_unbounded = not border and body.get("base") is None and uniform_stress > limits[-1]
     volume, best, profile, shear = math.inf if is_unbounded else 0.0, [], [], 0.0
@@ -148,6 +153,7 @@ def stress_columns(
         "von_mises_profile": np.array(profile),
     }
     if min(limits) < math.inf:
+        # per area of the map, not of the padded field
         columns["volume_above_yield"] = volume * pressure_field.size / pressure.size
     if not has_layers:
         return columns
@@ -184,6 +190,7 @@ def add_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.Da
 
 def _rank(body: Body) -> tuple[float, bool, float]:
     """Return what decides which of two bodies is strained: the lower one is."""
+    # the lowest first: a tuple compares its entries in turn
     return min(yield_stresses(body)), not body.get("layers"), body.get("youngs_modulus") or math.inf
 
 
@@ -193,6 +200,7 @@ def _depths(shape: Sequence[int], steps: tuple[float, float], body: Body) -> lis
     finest, deepest = _FINEST * min(d for _, d in across), _MAX_DEPTH * max(side for side, _ in across)
     faces = [0.0, *interface_depths(body)]
     if body.get("base") != "rigid":
+        # a rigid base has no stresses; else deep enough for all waves, and beyond all layers
         faces.append(max(deepest, 2 * faces[-1]))
     sections = []
     for upper, lower in pairwise(faces):
@@ -215,6 +223,7 @@ def _material_maxima(
     largest: list[_Largest] = []
     maps: list[np.ndarray] = []
     volume = 0.0
+    # downwards, so that the volume needs a few maps at a time
     for index, depth in enumerate(depths):
         stress = stress_at(depth - face)
         equivalent = von_mises(stress)
@@ -223,6 +232,7 @@ def _material_maxima(
         if limit < math.inf:
             maps = [*maps[1 - _FITTED :], equivalent]
             volume += _volume_above(limit, maps, depths, index)
+    # first the middles beside a peak, then the vertex of the parabola through them
     for closer in (_middles, _vertex):
         closer_depths = (_peak_depths(largest, name, closer) for name in ("von_mises", "tresca"))
         for depth in sorted({*chain.from_iterable(closer_depths)}):
@@ -242,6 +252,7 @@ def _reached(loads: np.ndarray, ratio: np.ndarray) -> float:
     if index == 0:
         return math.nan
     pair = slice(index - 1, index + 1)
+    # a power of the load between two loads
     return float(np.exp(np.interp(0.0, np.log(ratio[pair]), np.log(loads[pair]))))
 
 
@@ -305,6 +316,7 @@ def _volume_above(limit: float, maps: Sequence[np.ndarray], depths: np.ndarray, 
     if len(maps) < _FITTED:
         return 0.0
     middle, start = _FITTED // 2 - 1, last + 1 - _FITTED
+    # at the surface and at the bottom there are fewer neighbours: more layers at once
     layers = range(middle if start > 0 else 0, middle + 1 if last < depths.size - 1 else _FITTED - 1)
     return sum(_layer_above(limit, maps, depths[start : last + 1], layer) for layer in layers)
 
@@ -317,6 +329,7 @@ def _layer_above(limit: float, maps: Sequence[np.ndarray], depths: np.ndarray, l
     bend = np.abs(np.diff(stress[max(layer - 1, 0) : layer + 3], 2, axis=0)).max(axis=0) / 4
     lower_bound, upper_bound = np.sort(stress[layer : layer + 2], axis=0) + np.stack([-bend, bend])
     volume = float(depths[layer + 1] - depths[layer]) * np.count_nonzero(lower_bound > limit)
+    # only where the limit is crossed the shape between the depths matters
     stress = stress[:, (lower_bound <= limit) & (upper_bound > limit)]
     # the polynomial through values at 0, 1, 2 ...
     nodes, positions = np.arange(float(_FITTED)), layer + np.linspace(0, 1, _SUBINTERVALS + 1)
@@ -334,5 +347,6 @@ def _points_above(upper: np.ndarray, lower: np.ndarray, limit: float) -> float:
     """Return how many points of a layer are above a limit, of stresses linear between its two faces."""
     smaller, larger = np.minimum(upper, lower), np.maximum(upper, lower)
     steep = larger > smaller
+    # a layer of equal faces is above as a whole, or not at all
     share = np.divide(larger - limit, larger - smaller, out=(larger > limit).astype(float), where=steep)
     return float(np.clip(share, 0.0, 1.0).sum())

@@ -13,6 +13,7 @@ UNKNOWN = FieldInfo(description="no setting")  # of a key that has no field
 
 def section_model(field: FieldInfo) -> type[Section] | None:
     """Return the section that a setting holds, alone or in a list; None for a plain value."""
+    # a section may stand in a union with None, or in a list
     types = (type_ for type_ in _types(field.annotation) if isinstance(type_, type))
     return next((type_ for type_ in types if issubclass(type_, Section)), None)
 
@@ -64,6 +65,7 @@ def _normalise_lists(value: Any) -> Any:
     """Return groups whose keys are all positions as lists, an entry without a value as an empty group."""
     if not isinstance(value, _Group):
         return value
+    # positions may come in any order, and some may be missing
     entries = {key: _normalise_lists(entry) for key, entry in value.items()}
     # no list has a million entries, which a file of somebody else may ask for in a line
     if entries and all(key.isdecimal() and len(key) < 7 for key in entries):
@@ -120,6 +122,7 @@ def leaves(section: type[Section], prefix: str, values: Any) -> Iterator[tuple[s
     values = values if isinstance(values, Mapping) else {"material": values} if values else {}
     fields = _with_material(section.model_fields)
     for key in dict.fromkeys([*fields, *values]):
+        # an empty text: as a form has it
         name, field, value = f"{prefix}{key}", fields.get(key), values.get(key, "")
         below = section_model(field) if field else None
         entries = list(value) if isinstance(value, list) else []

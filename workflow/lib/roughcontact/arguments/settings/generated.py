@@ -64,6 +64,7 @@ def default_yaml(*, head: str = _HEAD, values: Mapping[str, Mapping[str, Any]] |
     ['  # bodies:']
     """
     if values is None:
+        # the shipped configuration solves the samples: it needs bodies and a load
         defaults = {name: (Contact.model_fields[name].examples or [None])[0] for name in _SHIPPED}
         values = {"contact": defaults}
     return head + "\n".join(_yaml(Settings, "", values)) + "\n"
@@ -71,6 +72,7 @@ def default_yaml(*, head: str = _HEAD, values: Mapping[str, Mapping[str, Any]] |
 
 def json_schema() -> str:
     """Return the JSON schema of the configuration, for editors that complete and check YAML."""
+    # pydantic's names of limits behind a validator are none of JSON schema
     text = json.dumps(Settings.model_json_schema())
     schema = json.loads(
         text, object_hook=lambda group: {_KEYWORDS.get(key, key): group[key] for key in group}
@@ -100,7 +102,7 @@ def changed_settings(settings: Mapping[str, Any]) -> list[str]:
     return [
         f"{section}.{name}: {value_text(settings[section][name], field, name=name)}"
         for section, of_section in Settings.model_fields.items()
-        if section != "report" and (model := section_model(of_section))
+        if section != "report" and (model := section_model(of_section))  # the report changes no number
         for name, field in model.model_fields.items()
         if f"{section}.{name}" not in _SAID_ELSEWHERE
         and settings[section][name] != field.get_default(call_default_factory=True)
@@ -180,6 +182,7 @@ def flow(value: Any) -> str:
     if isinstance(value, list):
         return "[" + ", ".join(map(flow, value)) + "]"
     if isinstance(value, float):
+        # YAML 1.1 reads 1e6 as a text: it needs a point
         mantissa, _, exponent = f"{value:.6g}".partition("e")
         return mantissa + ("" if "." in mantissa else ".0") + (f"e{exponent}" if exponent else "")
     if isinstance(value, str) and not _QUOTED.search(value):
@@ -196,6 +199,7 @@ def value_text(value: Any, field: FieldInfo, *, name: str = "") -> str:
             if entry is not None
         )
     if name.endswith("_uncertainty"):
+        # one number is that of both sides
         below, *_, above = map(percent, value if isinstance(value, list) and len(value) > 1 else [value] * 2)
         return f"± {above}" if below == above else f"−{below} +{above}"
     unit = setting_base(field)

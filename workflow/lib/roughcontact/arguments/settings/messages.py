@@ -50,10 +50,11 @@ def name_mistake(name: str) -> str:
     """
     if re.fullmatch(NAME, name) is None:
         return _NAME_RULE
-    if name.lower() == "pages":
+    if name.lower() == "pages":  # capitals do not tell folders apart everywhere
         return "results/pages is the folder of the report's own pages; choose another name"
     if len(name) > _MAX_NAME_LENGTH:
         return f"a name has at most {_MAX_NAME_LENGTH} characters, this one has {len(name)}; shorten it"
+    # any repeated ending: "aaaa", "-1-1-1"
     for length in range(1, _MAX_NAME_LENGTH // _REPETITIONS + 1):
         suffix = name[-length:]
         if name.endswith(suffix * _REPETITIONS):
@@ -73,6 +74,7 @@ def nearest(misspelling: object, valid: Collection[str]) -> str:
     >>> nearest("colour", ["surface", "path"])
     'valid are surface, path'
     """
+    # a word farther from it is rarely meant
     close = get_close_matches(str(misspelling).lower(), valid, n=1, cutoff=0.6)
     return f"did you mean {close[0]}?" if close else f"valid are {', '.join(valid)}"
 
@@ -92,6 +94,7 @@ def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> Se
 
 def named(case: str, overrides: Mapping[str, Any], location: Sequence[str | int], text: str) -> SettingsError:
     """Return an error with the name of its setting before the text; the first two are those of `mistake`."""
+    # section and key: positions in lists are no settings
     setting = _dotted([part for part in location if not isinstance(part, int)][:2])
     key = _dotted(location)
     if case and location[0] in overrides and _overridden(overrides, location):
@@ -108,7 +111,7 @@ def reason(detail: ErrorDetails) -> str:
         if text := _RETIRED.get(_dotted(location)):
             return f": {text}"
         key, valid = str(location[-1]), fields_at(location[:-1])
-        symbol = _SYMBOLS.get(key.lower())
+        symbol = _SYMBOLS.get(key.lower())  # E, nu, H as in a textbook
         hint = f"did you mean {symbol}?" if symbol in valid else nearest(key, valid)
         return f": unknown key, {hint}"
     if detail["type"] == "missing":
@@ -128,6 +131,7 @@ def _rule(detail: ErrorDetails) -> str:
         return f"unknown choice, {nearest(detail['input'], setting_choices(field))}"
     if error_type in ("too_short", "too_long") and location[-1] == "bodies":
         return "needs exactly two bodies"
+    # 1,5: a decimal comma has a rule of its own
     comma = error_type == "float_parsing" and re.search(r"\d,\d", str(detail["input"]))
     kind = "decimal_comma" if comma else error_type
     rules = (rule.format(**detail.get("ctx", {})) for start, rule in _RULES if kind.startswith(start))

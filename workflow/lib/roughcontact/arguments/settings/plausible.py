@@ -52,13 +52,14 @@ class Range:
 
     def __call__(self, value: object) -> object:
         """Return a value in the base unit; raise a ValueError with a question for an implausible number."""
-        number = abs(bare_number(value)) if self.lowest < 0 else bare_number(value)
+        number = abs(bare_number(value)) if self.lowest < 0 else bare_number(value)  # angles may be negative
         if self.highest < number < self.rigid:
             reason, limit = self.above, self.highest
         elif 0 < number < self.lowest:
             reason, limit = self.below, self.lowest
         else:
             return convert_to_base_unit(value, self.base)
+        # slips of unit: GPa, MPa, kPa where it is too low, mm, µm, nm where it is too high
         factors = self.likely_factors if limit == self.lowest else (1e-3, 1e-6, 1e-9)
         likely = [
             number * factor for factor in factors if max(self.lowest, 0) < number * factor <= self.highest
@@ -113,6 +114,7 @@ def implausible_together(
     else:
         modulus = contact["contact_modulus"]
         doubts.append((("contact_modulus",), materials.doubt_of_gel(modulus, [*loads, hardness or 0.0])))
+    # a doubtful modulus makes every load doubtful: one question is enough
     if not any(doubt and not carries_unit(_value_at(raw, ("contact", *where))) for where, doubt in doubts):
         if hardness is not None:
             doubts.append((("hardness",), materials.doubt_of_hardness(hardness, modulus)))

@@ -65,6 +65,7 @@ def resolve(config: Mapping[str, Any], *, origin: str = "the settings") -> dict[
     `contact_modulus` and the `hardness` of the softer body are derived from bodies. The message of a
     `SettingsError` from `origin` lists all mistakes, each with key, value, rule and the nearest valid key.
     """
+    # a section without keys is None in YAML
     base = {key: {} if value is None else value for key, value in config.items()}
     base.setdefault("contact", {})
     cases = base.pop("cases", {})
@@ -76,6 +77,7 @@ def resolve(config: Mapping[str, Any], *, origin: str = "the settings") -> dict[
         settings_by_case[name], errors = _resolve_case(name, base, overrides)
         mistakes += errors
     if mistakes:
+        # a mistake above the cases is found in each of them
         distinct = {str(error): error for error in mistakes}
         lines = [f"mistakes in {origin}:", *(f"  {text}" for text in distinct)]
         raise SettingsError("\n".join(lines), mistakes=list(distinct.values()))
@@ -111,6 +113,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
 
                 contact_section["bodies"] = [*map(with_modulus_at_rest, contact_section["bodies"])]
     except SettingsError as error:
+        # without bodies nothing else can be checked
         return {}, [*mistakes, _mistake(f"{where}.bodies", f": {error}")]
     try:
         settings = Settings.model_validate(combination).model_dump(mode="json", exclude={"cases"})
@@ -122,6 +125,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     except SettingsError as error:
         layer = SettingsError(str(error), keys=error.keys, place="".join(error.keys[:1]))
         return settings, [*mistakes, layer]
+    # plausibility only of what is formally right: else one slip has two messages
     if not mistakes:
         mistakes += [named(name, overrides, *doubt) for doubt in implausible_together(combination, contact)]
     _derive(contact)
@@ -269,6 +273,7 @@ def _mistakes_in_cases(cases: Any) -> Iterator[SettingsError]:
     if not isinstance(cases, dict):
         yield _mistake("cases", f" = {cases!r}: must be a mapping from names to settings")
         return
+    # folders on macOS and Windows do not tell capitals apart
     small = Counter(str(name).lower() for name in cases)
     for name, overrides in cases.items():
         if small[str(name).lower()] > 1:
@@ -328,6 +333,7 @@ def _settings_of_other_kinds(settings: Mapping[str, Any]) -> Iterator[tuple[str,
 
 def _mistakes_in_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) -> list[SettingsError]:
     """Return the properties that only some materials state, although they need to be stated for all."""
+    # a mistake in a body comes before one in its layers
     materials = sorted(located_materials(bodies), key=lambda located: len(located[0]))  # bodies first
     advice = "the other body has it; give it for both or neither"
     if len(materials) > len(bodies or ()):
@@ -362,6 +368,7 @@ def _merge(base: Any, overrides: Any) -> Any:
     if not (isinstance(base, dict) and isinstance(overrides, dict)):
         return deepcopy(overrides)
     result = deepcopy(base)
+    # a case that states a modulus replaces the bodies of the base
     for keys in _ALTERNATIVES:
         if any(overrides.get(key) is not None for key in keys):
             for key in keys:

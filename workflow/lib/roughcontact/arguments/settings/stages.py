@@ -28,6 +28,7 @@ _AFTER = {  # sections of files that follow the contact, which no other case sha
 
 def stage_settings(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
     """Return the settings (section -> settings) on which a stage depends, those of `_AFTER` as well."""
+    # without its maps the contact and its numbers are one job
     if stage == "contact" and not settings["contact"]["keep_fields"]:
         stage = "statistics"
     sections = _AFTER.get(stage) or SECTIONS[stage]
@@ -52,4 +53,5 @@ def origin_id(settings: str, source_sha256: str) -> str:
 def owner(cases: Mapping[str, Mapping[str, Any]], case: str, stage: str) -> str:
     """Return the case that computes a stage of a case: the first whose stage depends on the same settings."""
     settings_of_stage = stage_settings(cases[case], stage)
+    # a case is its own owner, or an earlier one is
     return next(name for name in cases if stage_settings(cases[name], stage) == settings_of_stage)

@@ -201,6 +201,7 @@ def conducting_pair(bodies: Iterable[Mapping[str, Any]], name: str) -> Conductin
     stacks = []
     for body in bodies:
         layers: Sequence[Mapping[str, Any]] = layers_in(body)
+        # the base is the body itself
         conductivities: list[Any] = [layer.get(name) for layer in (*layers, body)]
         if None in conductivities:
             return None
@@ -249,14 +250,16 @@ def stress_amplitudes(q: np.ndarray, body: Stack) -> Callable[[int, float], np.n
     """
     q = np.asarray(q, float)
     if q.size > 2 * _NODES:
+        # splines over few wavenumbers, as for the factor
         nodes, at_waves = _nodes_over(q)
         exact = stress_amplitudes(nodes, body)
         return lambda number, depth: at_waves(exact(number, depth))
     steps = [(_base_matrix(body.base, q.shape), np.empty(0))]  # of each material: C of its upper face, and T
     for thickness, material in reversed(body.layers):
+        # from the base upwards: each layer stands on what is below
         steps.insert(0, _through(steps[0][0], q * thickness, material))
     above = np.zeros((2, 1, *q.shape))
-    above[1] = -1
+    above[1] = -1  # a unit pressure, no shear
     tractions = [above]
     for _, transfer in steps[:-1]:
         tractions.append(_times(transfer, tractions[-1]))
@@ -265,6 +268,7 @@ def stress_amplitudes(q: np.ndarray, body: Stack) -> Callable[[int, float], np.n
         compliance, material = steps[-1][0], body.base
         if number < len(body.layers):
             thickness, material = body.layers[number]
+            # the rest of the layer below the depth takes the place of its base
             compliance, _ = _through(steps[number + 1][0], q * (thickness - depth), material)
         assert material is not None  # in a rigid base there are no stresses to be known
         _, to_depth = _through(compliance, q * depth, material)
@@ -343,11 +347,13 @@ def _via_reflection(
         return displacements, mu * np.array([shear, normal])
 
     (decaying, decaying_traction), (growing, growing_traction) = waves(x, 1.0), waves(x, -1.0)
+    # the growing wave is what the lower face reflects of the decaying one
     reflection = -_times(
         _inverse(growing - _times(compliance, growing_traction)),
         decaying - _times(compliance, decaying_traction),
     )
     transfer = np.exp(-x) * (decaying_traction + _times(growing_traction, reflection))
+    # both ways through the layer: never larger than 1, unlike exp(+x)
     reflection *= np.exp(-2 * x)
     (decaying, decaying_traction), (growing, growing_traction) = waves(0 * x, 1.0), waves(0 * x, -1.0)
     incident = _inverse(decaying_traction + _times(growing_traction, reflection))
@@ -368,7 +374,7 @@ def _compression(body: Stack) -> float:
 def _half_difference(s: np.ndarray) -> np.ndarray:
     """Return (s cosh s - sinh s)/2 for s up to `_THIN` by its series, sum of j s^(2j+1)/(2j+1)!."""
     total, term = np.zeros_like(s), s.copy()
-    for j in range(1, _TERMS):
+    for j in range(1, _TERMS):  # the leading terms of both parts cancel: the series has none of the rounding
         term = term * s * s / (2 * j * (2 * j + 1))
         total += j * term
     return total
