@@ -1,7 +1,9 @@
 """Flow of a thin viscous fluid through the gap: the flow factors of Reynolds' equation."""
 
+import math
 from collections import deque
 from collections.abc import Mapping
+from itertools import islice
 
 import numpy as np
 import numpy.typing as npt
@@ -9,7 +11,7 @@ import scipy.sparse as sp
 
 from roughcontact.statistics.sealing.connectivity import connected_regions
 from roughcontact.statistics.sealing.gas import slip_factor
-from roughcontact.statistics.sealing.multigrid import minimised, multigrid
+from roughcontact.statistics.sealing.multigrid import Cycle, Network, minimised, multigrid
 
 _MAX_STEPS = 500
 _STEPS_COMPARED = 8  # steps that together must gain no more than the tolerance
@@ -71,8 +73,8 @@ def leak_columns(
     >>> print(f"{found['leak_rate_x'] * 1e6 * 3600:.2f} ml per hour and metre")
     3.00 ml per hour and metre
     """
-    expansion = 1 + pressure_difference / (2 * outlet_pressure) if outlet_pressure else 1.0
     # an ideal gas expands along the way: its mean density is that between inlet and outlet
+    expansion = 1 + pressure_difference / (2 * outlet_pressure) if outlet_pressure else 1.0
     by_flow = np.asarray(mean_gap, float) ** 3 * pressure_difference * expansion / (12 * viscosity * width)
     path = (mean_free_path or 0.0) / expansion
     return {
@@ -104,43 +106,49 @@ def _tensor(
         # half the sum of both gaps, over the width of the link: what a sliding face carries through it
         mean_gap = (gap[is_link] + np.roll(gap, -1, axis)[is_link]) / 2 * steps[1 - axis]
         links.append((number[is_link], np.roll(number, -1, axis)[is_link], conductance, mean_gap))
-    start, stop = (np.concatenate([link[side] for link in links]) for side in (0, 1))
-    conductance = np.concatenate([link[2] for link in links])
-    # mean pressure drop over each link, for a unit gradient along each of the axes
-    drops = np.zeros((conductance.size, axes.size))
+    start, stop, conductance = (np.concatenate([link[side] for link in links]) for side in range(3))
+    network = Network(start, stop, conductance, unknowns)
+    solver = multigrid(network, np.argwhere(is_open))
     count = links[0][2].size
-    sides, mean_gap = (slice(count), slice(count, None)), [link[3] for link in links]
-    for column, axis in enumerate(axes):
-        drops[sides[axis], column] = steps[axis]
-    # by roots of the conductances the matrix is a square, and stays one when it is coarsened
-    root = np.sqrt(conductance)
-    rows = np.tile(np.arange(root.size), 2)
-    difference = sp.coo_array(
-        (np.concatenate([-root, root]), (rows, np.concatenate([start, stop]))), shape=(root.size, unknowns)
-    ).tocsr()
-    drops *= root[:, None]
-    # what a sliding face drives is linear in the pressure, and so less exact than the energy: watched, too
-    weights = np.zeros_like(drops)
-    for column, axis in enumerate(axes):
-        weights[sides[axis], column] = mean_gap[axis] / root[sides[axis]]
-    uniform_flow, response = (weights * drops).sum(axis=0), difference.T @ weights
-    energy = (drops**2).sum(axis=0)
-    gains: deque[np.ndarray] = deque(maxlen=_STEPS_COMPARED)
-    driven: deque[np.ndarray] = deque(maxlen=_STEPS_COMPARED)
-    matrix, cycle = multigrid(difference, np.argwhere(is_open))
-    solutions = minimised(matrix, -(difference.T @ drops), cycle)
-    for step, (pressure, gain) in enumerate(solutions):
-        gains.append(gain)
+    sides = slice(count), slice(count, None)
+    drops, driven = np.empty((axes.size, conductance.size)), np.empty(axes.size)
+    for row, axis in enumerate(axes):
+        uniform_drop, carried = np.zeros((2, conductance.size))  # over each link, for a unit gradient
+        uniform_drop[sides[axis]] = steps[axis]
+        carried[sides[axis]] = links[axis][3]
+        drops[row], driven[row] = _driven_flow(network, uniform_drop, carried, solver, tolerance)
+    area = gap.size * steps[0] * steps[1]
+    return (conductance * drops) @ drops.T / area, driven / area
+
+
+def _driven_flow(
+    network: Network,
+    uniform_drop: np.ndarray,
+    carried: np.ndarray,
+    solver: tuple[sp.csr_array, Cycle],
+    tolerance: float,
+) -> tuple[np.ndarray, float]:
+    """Return the pressure drops over the links for uniform ones, and the sum of what they drive.
+
+    `carried` is what a sliding face carries through each link for a unit pressure drop over it. NaN where the
+    energy, or this sum, which is linear in the pressure and so less exact, do not settle.
+    """
+    uniform_flow, response = float(carried @ uniform_drop), network.inflow(carried)
+    energy = float((network.conductance * uniform_drop) @ uniform_drop)
+    gains: deque[float] = deque(maxlen=_STEPS_COMPARED)
+    driven: deque[float] = deque(maxlen=_STEPS_COMPARED)
+    matrix, cycle = solver
+    steps = minimised(matrix, -network.inflow(network.conductance * uniform_drop), cycle)
+    for pressure, gain, _ in islice(steps, _MAX_STEPS):
         energy -= gain
-        driven.append(uniform_flow + np.einsum("ij,ij->j", response, pressure))
+        if not math.isfinite(energy):
+            break  # rounding alone: NaN says so
+        gains.append(gain)
+        driven.append(uniform_flow + float(response @ pressure))
         if (
             len(gains) == _STEPS_COMPARED
-            and (sum(gains) <= tolerance * energy).all()
-            and (np.ptp(driven, axis=0) <= tolerance * uniform_flow).all()
+            and sum(gains) <= tolerance * energy
+            and max(driven) - min(driven) <= tolerance * uniform_flow
         ):
-            drops += difference @ pressure
-            area = gap.size * steps[0] * steps[1]
-            return drops.T @ drops / area, driven[-1] / area
-        if step == _MAX_STEPS or not np.isfinite(energy).all():
-            break  # too many steps, or rounding alone: NaN says so
-    return np.full((axes.size, axes.size), np.nan), np.full(axes.size, np.nan)
+            return uniform_drop + pressure[network.stop] - pressure[network.start], driven[-1]
+    return np.full_like(uniform_drop, np.nan), math.nan

@@ -1,5 +1,6 @@
-"""Multigrid by smoothed aggregation for networks on a grid, robust to conductances of any ratio."""
+"""Multigrid by aggregation for networks of conductances on a grid, robust to conductances of any ratio."""
 
+import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
@@ -7,71 +8,82 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-_BLOCK = 3  # points per side of the blocks that confine aggregates: so the coarse networks remain sparse
+_BLOCK = 2  # points per side of the blocks that confine aggregates
 _STRONG = 0.05  # minimum share of the smaller diagonal for a link that joins two points to one aggregate
 _COARSEST = 100  # unknowns that are solved directly; for more, threads of linear algebra spin
-_SMOOTHING = 2 / 3  # of damped Jacobi: the largest eigenvalue of the scaled matrix is 2 at most
-_ROUNDING = 1e-26  # share of the largest diagonal below which values are squares of rounding errors
+_SMOOTHING = 0.8  # of damped Jacobi: the largest eigenvalue of the scaled matrix is 2 at most
+_ACCURATE = 0.25  # share of a coarse residual after the first step, below which there is no second one
+_ROUNDING = 1e-26  # share of the largest diagonal below which values are rounding errors
 _SOLVED = 1e-9  # share of the largest force below which a residual asks for no step
+
+
+class Network(NamedTuple):
+    """Links between points: where each starts and stops (links), its conductance, the number of points."""
+
+    start: np.ndarray
+    stop: np.ndarray
+    conductance: np.ndarray
+    size: int
+
+    def inflow(self, flow: np.ndarray) -> np.ndarray:
+        """Return what flows along the links into each point."""
+        into, out = (np.bincount(end, flow, self.size) for end in (self.stop, self.start))
+        return into - out
+
+    def matrix(self) -> sp.csr_array:
+        """Return what turns potentials into outflows (size, size)."""
+        points = np.arange(self.size)
+        of_points = sum(np.bincount(end, self.conductance, self.size) for end in (self.start, self.stop))
+        values = np.concatenate([of_points, -self.conductance, -self.conductance])
+        rows = np.concatenate([points, self.start, self.stop])
+        columns = np.concatenate([points, self.stop, self.start])
+        return sp.coo_array((values, (rows, columns)), shape=(self.size, self.size)).tocsr()
 
 
 class _Level(NamedTuple):
     matrix: sp.csr_array
-    weight: np.ndarray  # (n, 1)
-    prolong: sp.csr_array
-    restrict: sp.csr_array
+    weight: np.ndarray  # of the smoothing
+    aggregate: np.ndarray  # of each point
 
 
 Cycle = Callable[[np.ndarray], np.ndarray]
 
 
-def multigrid(root: sp.csr_array, coordinates: np.ndarray) -> tuple[sp.csr_array, Cycle]:
-    """Return the matrix root' root (n, n) of a network and a V-cycle of smoothed aggregation for it.
+def multigrid(network: Network, coordinates: np.ndarray) -> tuple[sp.csr_array, Cycle]:
+    """Return the matrix (n, n) of a network and a K-cycle of aggregation for it, which is not quite linear.
 
-    Vaněk, Mandel and Brezina (1996), Computing 56, 179, with blocks of 3 x 3 points, of which only those
-    joined by strong links become one coarser point: regions on both sides of a wall remain separate. `root`
-    (links, n) has the root of the conductance at the end of a link and less that at its start; `coordinates`
-    (n, 2) are row and column. Coarser matrices are products of a coarser `root`: a weak link beside strong
-    ones is not lost in rounding.
+    Notay (2010), Electron. Trans. Numer. Anal. 37, 123, with blocks of 2 x 2 points, of which only those
+    joined by strong links become one coarser point: regions on both sides of a wall remain separate. A
+    coarser network has the sums of the conductances between its points: nothing is lost in rounding.
+    `coordinates` (n, 2) are row and column.
 
     Examples
     --------
-    A ring of 900 equal links; fifteen steps of x += M (b - A x):
+    A ring of 900 equal links, fifteen steps of conjugate gradients:
 
     >>> points = np.arange(900)
-    >>> ends = sp.coo_array((np.ones(900), (points, np.roll(points, -1)))).tocsr()
-    >>> root = (ends - sp.eye_array(900)).tocsr()
-    >>> matrix, cycle = multigrid(root, np.stack([0 * points, points], axis=1))
-    >>> b, x = np.sin(2 * np.pi * points / 900)[:, None], np.zeros((900, 1))
+    >>> ring = Network(points, np.roll(points, -1), np.ones(900), 900)
+    >>> matrix, cycle = multigrid(ring, np.stack([0 * points, points], axis=1))
+    >>> force = np.sin(2 * np.pi * points / 900)
+    >>> steps = minimised(matrix, force, cycle)
     >>> for _ in range(15):
-    ...     x = x + cycle(b - matrix @ x)
-    >>> bool(np.abs(b - matrix @ x).max() < 1e-6)
+    ...     potential, *_ = next(steps)
+    >>> bool(np.abs(force - matrix @ potential).max() < 1e-6)
     True
     """
     levels: list[_Level] = []
-    transpose = root.T.tocsr()
-    finest = matrix = transpose @ root
-    while matrix.shape[0] > _COARSEST:
-        points = np.arange(matrix.shape[0])
-        aggregate, count = _aggregates(matrix, coordinates // _BLOCK)
-        if count == points.size:  # no points are joined
+    finest = matrix = network.matrix()
+    while network.size > _COARSEST:
+        coordinates, diagonal = coordinates // _BLOCK, matrix.diagonal()
+        aggregate, count = _aggregates(network, diagonal, coordinates)
+        if count == network.size:  # no points are joined
             break
-        # half the sum of the sizes in a row: the diagonal of a network, and never less than half the largest
-        # eigenvalue of the scaled matrix (Gershgorin)
-        weight = _SMOOTHING * _inverse(abs(matrix).sum(axis=1) / 2)
-        constant = sp.csr_array((np.ones(points.size), aggregate, np.append(points, points.size)))
-        across = root @ constant  # nothing inside an aggregate
-        across.eliminate_zeros()
-        smooth = sp.diags_array(weight) @ (transpose @ across)
-        prolong = (constant - smooth).tocsr()
-        levels.append(_Level(matrix, weight[:, None], prolong, prolong.T.tocsr()))
-        root = (across - root @ smooth).tocsr()
-        root = root[np.diff(root.indptr) > 0]
-        transpose = root.T.tocsr()
-        matrix = transpose @ root
+        levels.append(_Level(matrix, _SMOOTHING * _inverse(diagonal), aggregate))
         representative = np.empty(count, int)
-        representative[aggregate] = points  # any member has the place of its block
-        coordinates = coordinates[representative] // _BLOCK
+        representative[aggregate] = np.arange(network.size)  # any member has the place of its block
+        coordinates = coordinates[representative]
+        network = _coarser(network, aggregate, count)
+        matrix = network.matrix()
     # scaled to a unit diagonal: conductances range over many powers of ten
     scaling = np.sqrt(_inverse(matrix.diagonal()))
     values, vectors = np.linalg.eigh(scaling[:, None] * matrix.toarray() * scaling)
@@ -79,55 +91,52 @@ def multigrid(root: sp.csr_array, coordinates: np.ndarray) -> tuple[sp.csr_array
     modes = scaling[:, None] * vectors[:, is_regular] / np.sqrt(values[is_regular])
 
     def cycle(residual: np.ndarray, depth: int = 0) -> np.ndarray:
-        """Return the correction of one V-cycle, from a level downwards."""
+        """Return the correction of one cycle, from a level downwards."""
         if depth == len(levels):
             return modes @ (modes.T @ residual)
         level = levels[depth]
         correction = level.weight * residual
-        # two steps down, two up: the cycle is symmetric
+        coarse_residual = np.bincount(level.aggregate, residual - level.matrix @ correction)
+        correction += coarse_solution(coarse_residual, depth + 1)[level.aggregate]
         correction += level.weight * (residual - level.matrix @ correction)
-        correction += level.prolong @ cycle(
-            level.restrict @ (residual - level.matrix @ correction), depth + 1
-        )
-        for _ in range(2):
-            correction += level.weight * (residual - level.matrix @ correction)
         return correction
+
+    def coarse_solution(residual: np.ndarray, depth: int) -> np.ndarray:
+        """Return two steps of conjugate gradients, or one, preconditioned by the cycle of a level."""
+        if depth == len(levels):
+            return cycle(residual, depth)
+        steps = minimised(levels[depth].matrix, residual, lambda rest: cycle(rest, depth))
+        solution, _, rest = next(steps)
+        return solution if rest @ rest <= _ACCURATE**2 * (residual @ residual) else next(steps)[0]
 
     return finest, cycle
 
 
 def minimised(
-    matrix: sp.csr_array, forces: np.ndarray, precondition: Cycle
-) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Yield ever better x (n, columns), changed in place, of matrix x = forces, by conjugate gradients.
+    matrix: sp.csr_array, force: np.ndarray, precondition: Cycle
+) -> Iterator[tuple[np.ndarray, float, np.ndarray]]:
+    """Yield ever better x (n), changed in place, of matrix x = force, by flexible conjugate gradients.
 
-    They are preconditioned; with x comes the decrease (columns) of the energy x A x - 2 b x, inf where
-    rounding makes a step impossible.
+    With x come the decrease of the energy x A x - 2 b x, inf where rounding makes a step impossible, and the
+    residual. The preconditioner need not be linear (Notay 2000, SIAM J. Sci. Comput. 22, 1444).
     """
-    solution, residual = np.zeros_like(forces), forces.copy()
-    limit = _SOLVED * np.abs(forces).max(axis=0, initial=0.0)
+    solution, residual = np.zeros_like(force), force.copy()
+    limit = _SOLVED * np.abs(force).max(initial=0.0)
     direction = correction = precondition(residual)
-    product = _products(residual, correction)
+    product = float(residual @ correction)
     while True:
         image = matrix @ direction
-        curvature = _products(direction, image)
-        step = np.divide(product, curvature, out=np.zeros_like(product), where=curvature > 0)
+        curvature = float(direction @ image)
+        step = product / curvature if curvature > 0 else 0.0
         solution += step * direction
         residual -= step * image
         # no descent is possible but for rounding
-        stuck = step <= 0
-        if stuck.any():  # a maximum takes as long as a fifth of a cycle
-            stuck &= np.abs(residual).max(axis=0, initial=0.0) > limit
-        yield solution, np.where(stuck, np.inf, step * product)
+        stuck = step <= 0 and np.abs(residual).max(initial=0.0) > limit
+        yield solution, math.inf if stuck else step * product, residual
         correction = precondition(residual)
-        previous, product = product, _products(residual, correction)
-        share = np.divide(product, previous, out=np.zeros_like(product), where=previous > 0)
+        share = -step * float(image @ correction) / product if product > 0 else 0.0
+        product = float(residual @ correction)
         direction = correction + share * direction
-
-
-def _products(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return the scalar product of each pair of columns."""
-    return np.einsum("ij,ij->j", a, b)
 
 
 def _inverse(diagonal: np.ndarray) -> np.ndarray:
@@ -137,14 +146,20 @@ def _inverse(diagonal: np.ndarray) -> np.ndarray:
     )
 
 
-def _aggregates(matrix: sp.csr_array, blocks: np.ndarray) -> tuple[np.ndarray, int]:
-    """Return the aggregate of each unknown, and the number of aggregates."""
-    links = matrix.tocoo()
-    row, column = links.coords
-    diagonal = matrix.diagonal()
-    joins = (-links.data > _STRONG * np.minimum(diagonal[row], diagonal[column])) & (
-        blocks[row] == blocks[column]
-    ).all(axis=1)
-    graph = sp.coo_array((np.ones(int(joins.sum()), bool), (row[joins], column[joins])), shape=matrix.shape)
+def _aggregates(network: Network, diagonal: np.ndarray, blocks: np.ndarray) -> tuple[np.ndarray, int]:
+    """Return the aggregate of each point, and the number of aggregates."""
+    start, stop, conductance, size = network
+    row, column = (blocks[start] == blocks[stop]).T
+    joins = row & column & (conductance > _STRONG * np.minimum(diagonal[start], diagonal[stop]))
+    graph = sp.coo_array((np.ones(int(joins.sum()), bool), (start[joins], stop[joins])), shape=(size, size))
     count, aggregate = connected_components(graph, directed=False)
     return aggregate, int(count)
+
+
+def _coarser(network: Network, aggregate: np.ndarray, count: int) -> Network:
+    """Return the network of the aggregates, in which parallel links are one."""
+    start, stop = aggregate[network.start], aggregate[network.stop]
+    leaves = start != stop
+    parallel = network.conductance[leaves], (start[leaves], stop[leaves])
+    links = sp.coo_array(parallel, shape=(count, count)).tocsr().tocoo()
+    return Network(links.row, links.col, links.data, count)
