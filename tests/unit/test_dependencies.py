@@ -47,13 +47,13 @@ def test_all_that_is_imported_when_a_script_starts_is_covered(script):
         check=True,
     )
     loaded = {Path(line).resolve() for line in run.stdout.split()}
-    assert loaded <= dependencies._closure(script)
+    assert loaded <= {*map(Path, dependencies._closure(str(script)))}
 
 
 def forget():
     """Look at the files anew, as every run does."""
-    for cached_function in (dependencies._imported, dependencies._folders, dependencies._modules):
-        cached_function.cache_clear()
+    for name in ("_content", "_imported", "_entries", "_modules"):
+        getattr(dependencies, name).cache_clear()
 
 
 @pytest.fixture

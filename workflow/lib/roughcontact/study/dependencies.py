@@ -1,7 +1,9 @@
 """The source files on which a script depends, so that an edit reruns only the affected jobs."""
 
 import hashlib
+import os
 import re
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -35,37 +37,43 @@ def source_digest(script: str | Path) -> str:
     ...     first == source_digest(script), len(first)
     (True, 16)
     """
-    script = Path(script)
-    digest, paths = hashlib.sha256(), _closure(script.resolve()) - {script.resolve()}
-    draws = any(PACKAGE / "report" in path.parents for path in paths)
-    for path in sorted(path for path in paths if draws or path.name != _WORDS):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    script = str(Path(script).resolve())
+    paths = _closure(script) - {script}
+    draws = any(path.startswith(os.path.join(PACKAGE, "report", "")) for path in paths)
+    digest = hashlib.sha256()
+    for path in sorted(path for path in paths if draws or os.path.basename(path) != _WORDS):
+        digest.update(os.path.basename(path).encode() + b"\0" + hashlib.sha256(_content(path)).digest())
     return digest.hexdigest()[:16]
 
 
-def _closure(script: Path) -> set[Path]:
+@cache
+def _content(path: str) -> bytes:
+    return Path(path).read_bytes()
+
+
+def _closure(script: str) -> set[str]:
     """Return the script and all the source files it depends on."""
-    paths: set[Path] = set()
+    paths: set[str] = set()
     waiting = [script]
     while waiting:
         path = waiting.pop()
         if path not in paths:
             paths.add(path)
-            waiting += _imported(path) if path.suffix == ".py" else ()
+            waiting += _imported(path) if path.endswith(".py") else ()
     return paths
 
 
 @cache
-def _imported(path: Path) -> tuple[Path, ...]:
+def _imported(path: str) -> tuple[str, ...]:
     """Return the files of the modules that `path` imports itself, and those of the folders it names."""
-    text = path.read_text(encoding="utf-8")
+    text, folder = _content(path).decode(), os.path.dirname(path)
     names = [name for names_text in _IMPORT.findall(text) for name in _listed(names_text)]
     for module, names_text in _FROM_IMPORT.findall(text):
         names += [module, *(f"{module}.{name}" for name in _listed(names_text))]
-    files = [file for name in dict.fromkeys(names) for file in _files(name, path.parent)]
+    files = [file for name in dict.fromkeys(names) for file in _files(name, folder)]
     for string in dict.fromkeys(string for _, string in _STRING.findall(text)):
-        files += _named(string, path.parent)
-    return tuple(files)
+        files += _named(string, folder)
+    return tuple(dict.fromkeys(files))
 
 
 def _listed(text: str) -> list[str]:
@@ -74,50 +82,57 @@ def _listed(text: str) -> list[str]:
     return [fields[0] for entry in entries if (fields := entry.split())]
 
 
-def _named(text: str, folder_of_module: Path) -> list[Path]:
+def _named(text: str, folder: str) -> list[str]:
     """Return the files that a string names: data beside its module, or above, or a folder of the package.
 
     A folder is named by a string where its modules are found at run time, so that all of them are imported.
     """
     head, *names = text.split(".")
     if not names:
-        return (
-            [file for file in (folder_of_module / text).glob("*.*") if file.suffix != ".py"]
-            if text in _folders(folder_of_module)
-            else []
-        )
-    candidates = folder_of_module / text, folder_of_module.parent / text
-    if existing := [candidate for candidate in candidates if candidate.is_file()]:
-        return existing[:1]
-    if head != PACKAGE.name or text == READERS or not all(name.isidentifier() for name in names):
+        data = _entries(os.path.join(folder, text)) if _entries(folder).get(text) else ()
+        return [os.path.join(folder, text, name) for name in data if _is_data(name)]
+    for existing in (folder, os.path.dirname(folder)):
+        if _entries(existing).get(text) is False:
+            return [os.path.join(existing, text)]
+    if head != PACKAGE.name or text == READERS:
         return []
-    folder = PACKAGE.joinpath(*names)
-    return [*_modules(text), *folder.glob("*.py")] if (folder / "__init__.py").is_file() else []
+    named = os.path.join(PACKAGE, *names)
+    modules = [name for name in _entries(named) if name.endswith(".py")] if _is_package(named) else []
+    return [*(_modules(text) if modules else ()), *(os.path.join(named, name) for name in modules)]
+
+
+def _is_data(name: str) -> bool:
+    return "." in name and not name.endswith(".py")
+
+
+def _is_package(folder: str) -> bool:
+    above, name = os.path.split(folder)
+    return name in _entries(above) and "__init__.py" in _entries(folder)
 
 
 @cache
-def _folders(folder: Path) -> set[str]:
-    """Return the names of the folders in a folder."""
-    return {path.name for path in folder.iterdir() if path.is_dir()}
+def _entries(folder: str) -> dict[str, bool]:
+    """Return the names in a folder and whether each is a folder; none where there is no such folder."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        return {entry.name: entry.is_dir() for entry in entries}
+    return {}
 
 
-def _files(name: str, folder: Path) -> tuple[Path, ...]:
+def _files(name: str, folder: str) -> tuple[str, ...]:
     """Return the source files of this project that importing the module `name` runs."""
     head = name.partition(".")[0]
     if head == PACKAGE.name:
         return _modules(name)
-    path = folder / f"{head}.py"
-    return (path,) if head.startswith("_") and path.is_file() else ()
+    is_beside = head.startswith("_") and f"{head}.py" in _entries(folder)
+    return (os.path.join(folder, f"{head}.py"),) if is_beside else ()
 
 
 @cache
-def _modules(name: str) -> tuple[Path, ...]:
+def _modules(name: str) -> tuple[str, ...]:
     """Return the files of a module of the package, and of the packages that hold it."""
-    folder, files = PACKAGE, [PACKAGE / "__init__.py"]
-    for component in name.split(".")[1:]:
-        if (module := folder / f"{component}.py").is_file():
-            files.append(module)
-        folder = folder / component
-        if (folder / "__init__.py").is_file():
-            files.append(folder / "__init__.py")
-    return tuple(files)
+    above, _, component = name.rpartition(".")
+    if not above:
+        return (os.path.join(PACKAGE, "__init__.py"),)
+    path = os.path.join(PACKAGE, *name.split(".")[1:])
+    module = (f"{path}.py",) if f"{component}.py" in _entries(os.path.dirname(path)) else ()
+    return (*_modules(above), *module, *((os.path.join(path, "__init__.py"),) if _is_package(path) else ()))
