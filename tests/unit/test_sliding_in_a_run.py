@@ -8,8 +8,11 @@ import roughcontact as rc
 from roughcontact.arguments.answers import FRICTION
 from roughcontact.arguments.quantities import number
 from roughcontact.evaluation.sliding import ANSWERS, slid_in_a_run
+from roughcontact.kernels.fourier import wavenumbers
 from roughcontact.report.sliding import sliding_section
 from roughcontact.results.storage import write_dataset
+from roughcontact.surface.window.transfer import corrected as window_corrected
+from roughcontact.surface.window.transfer import transfer
 from roughcontact.uncertainty.scales import to_scale
 
 LOAD, SPEEDS = 5e4, [1e-3, 1e-2, 1e-1]
@@ -34,6 +37,7 @@ def settings(highest=1e7):
         "contact": {"bodies": [rubber, {"thermal_conductivity": 1.5}]},
         "sliding": {"speed": SPEEDS, "direction": 0.0},
         "statistics": {"friction": {"shear_strength": 1e6}, "seal": None},
+        "instrument": {},
     }
 
 
@@ -65,6 +69,31 @@ def test_what_the_table_does_not_reach_is_in_the_interval(slid):
     assert share[2] > 0.5 > slid["friction_share_beyond_table"].values[2]
     half = np.log(short[f"{FRICTION}_upper"] / short[FRICTION]).values
     assert (half >= share).all()
+
+
+@pytest.mark.parametrize("corrected", [False, True])
+def test_the_interval_of_a_noisy_blurred_map_holds_what_it_is_without(slid, corrected):
+    """Noise of 4 % of Sq and a Gaussian of 4 pixels; the friction of the face itself is that of `slid`."""
+    clean, noise, resolution = face(), 0.04 * float(face().std()), 4e-6
+    q = wavenumbers(clean.shape, (1e-6, 1e-6)) / (2 * np.pi)
+    blurred = np.fft.irfft2(np.fft.rfft2(clean) * transfer(q, {"resolution": resolution}), s=clean.shape)
+    measured = clean.copy(data=blurred + noise * np.random.default_rng(1).standard_normal(clean.shape))
+    instrument = {"noise": noise, "resolution": resolution}
+    stated, unstated = (settings() | {"instrument": each} for each in (instrument, {}))
+    if corrected:
+        again = slid_in_a_run(
+            window_corrected(measured, instrument), stated, mean_pressure=LOAD, as_measured=measured
+        )
+    else:
+        again = slid_in_a_run(measured, stated, mean_pressure=LOAD)
+        alone = slid_in_a_run(measured, unstated, mean_pressure=LOAD)
+        assert (
+            again[f"{FRICTION}_upper"] - again[f"{FRICTION}_lower"]
+            > 1.05 * (alone[f"{FRICTION}_upper"] - alone[f"{FRICTION}_lower"])
+        ).all()
+    for name in ANSWERS:
+        assert (again[f"{name}_lower"] <= slid[name]).all(), name
+        assert (slid[name] <= again[f"{name}_upper"]).all(), name
 
 
 def test_the_page_says_where_friction_is_highest(slid, tmp_path):

@@ -25,9 +25,9 @@ from roughcontact.surface.window.transfer import (
     undone,
     unrounded,
 )
-from roughcontact.uncertainty.budget import _summed
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.calibration import octave_arms
+from roughcontact.uncertainty.combination import sum_of_causes
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.instrument import instrument_components
 from roughcontact.uncertainty.scales import ANSWERS, AREA, GAP, PEAK, PRESSURE, QUANTITIES, to_scale
@@ -72,7 +72,7 @@ def shifts(window, pressures, seen, instrument):
     causes, _ = instrument_components(
         result_of(window, pressures, seen, (AREA, GAP, PEAK)), instrument, None, undone(window, instrument)
     )
-    return _summed(causes)
+    return sum_of_causes(causes)
 
 
 def reaches(components, seen, truth, names=(AREA, GAP, PEAK)):

@@ -216,6 +216,7 @@ rule slide:
     """Let rubber slide over the face: its friction and its contact over the speed."""
     input:
         sources=sources_of("slide"),
+        levelled=file_of("levelled"),
         window=file_of("window"),
         contact=file_of("contact"),
     output:

@@ -11,12 +11,14 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, CONDUCTANCE, GAP, PEAK, PRESSURE
 from roughcontact.arguments.variables import describe
 from roughcontact.statistics.running_in import run_in
-from roughcontact.uncertainty.course import squared_change, squared_widths, with_ends
+from roughcontact.uncertainty.combination import symmetric
+from roughcontact.uncertainty.course import change, components_of_parts, with_ends
 
 DISTANCE = "running_in_distance"
 ANSWERS = (AREA, PRESSURE, PEAK, GAP, CONDUCTANCE)
@@ -52,10 +54,9 @@ def worn_in_a_run(
     )
     worn = run(window, tolerance=TOLERANCE, statistics=settings["statistics"])
     fewer = partial(run, statistics=_ANSWERS_ALONE, **FEW_STEPS)
-    squares, coarse = squared_widths(window, fewer, (*ANSWERS, DISTANCE)), fewer(window)
-    worn = with_ends(
-        worn, {name: square + squared_change(name, coarse, worn) for name, square in squares.items()}
-    )
+    of_parts, coarse = components_of_parts(window, fewer, (*ANSWERS, DISTANCE)), fewer(window)
+    of_steps = {name: symmetric(np.abs(change(name, coarse, worn))) for name in of_parts}
+    worn = with_ends(worn, [of_parts, of_steps])
     worn[f"{DISTANCE}_lower"] /= wear["coefficient_factor"]
     worn[f"{DISTANCE}_upper"] *= wear["coefficient_factor"]
     return describe(worn)

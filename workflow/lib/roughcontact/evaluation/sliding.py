@@ -1,9 +1,10 @@
 """Friction of sliding rubber in a run, over the speed, with the ± of each answer.
 
-Four sources, on the scale of each answer, added by their squares: the bound of the solver, of the friction
-alone; twice what pixels half as large change, on one part; the scatter of the parts of the window; and the
-share of the friction at frequencies beyond the table of the relaxation, as if nothing were known there. Waves
-that the map does not resolve are not in it: `friction_share_of_octave` shows what the shortest ones carry.
+Five sources, on the scale of each answer: the bound of the solver, of the friction alone; twice what pixels
+half as large change, and what the instrument does, on one part; the scatter of the parts of the window; and
+the share of the friction at frequencies beyond the table of the relaxation, as if nothing were known there.
+Waves that the map does not resolve are not in it: `friction_share_of_octave` shows what the shortest ones
+carry.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,7 +17,9 @@ from roughcontact.arguments.answers import AREA, FRICTION, GAP, PEAK, PRESSURE
 from roughcontact.arguments.bodies import relaxing_body
 from roughcontact.arguments.variables import describe
 from roughcontact.statistics.sliding import sliding_friction
-from roughcontact.uncertainty.course import squared_widths, with_ends
+from roughcontact.surface.window.instrument import stated_instrument
+from roughcontact.uncertainty.combination import symmetric
+from roughcontact.uncertainty.course import components_of_parts, with_ends
 
 ANSWERS = (FRICTION, AREA, PRESSURE, PEAK, GAP)
 COARSE = 1e-3  # tolerance of a part
@@ -24,9 +27,17 @@ _OF_A_SEAL = ("viscosity", "pressure_difference", "width", "outlet_pressure", "m
 
 
 def slid_in_a_run(
-    window: xr.DataArray, settings: Mapping[str, Mapping[str, Any]], *, mean_pressure: float, threads: int = 1
+    window: xr.DataArray,
+    settings: Mapping[str, Mapping[str, Any]],
+    *,
+    mean_pressure: float,
+    as_measured: xr.DataArray | None = None,
+    threads: int = 1,
 ) -> xr.Dataset:
-    """Return what `sliding_friction` makes of the window by the settings, with the ends of the intervals."""
+    """Return what `sliding_friction` makes of the window by the settings, with the ends of the intervals.
+
+    `as_measured` is the window before a correction for the instrument.
+    """
     sliding, statistics, bodies = settings["sliding"], settings["statistics"], settings["contact"]["bodies"]
     rubber = relaxing_body(bodies)
     (face,) = (body for body in bodies if body is not rubber)
@@ -48,7 +59,12 @@ def slid_in_a_run(
         seal=seal,
         thermal_conductivity=None if None in conductivities else conductivities,
     )
-    squares = squared_widths(window, partial(run, tolerance=COARSE, fields=False), ANSWERS)
-    squares[FRICTION] += (slid["hysteretic_friction_bound"].values / slid[FRICTION].values) ** 2
-    squares[FRICTION] += slid["friction_share_beyond_table"].values ** 2
-    return describe(with_ends(slid, squares))
+    of_parts = components_of_parts(
+        window,
+        partial(run, tolerance=COARSE, fields=False),
+        ANSWERS,
+        instrument=stated_instrument(window, settings["instrument"]),
+        as_measured=as_measured,
+    )
+    shares = slid["hysteretic_friction_bound"] / slid[FRICTION], slid["friction_share_beyond_table"]
+    return describe(with_ends(slid, [of_parts, *({FRICTION: symmetric(share.values)} for share in shares)]))

@@ -1,6 +1,6 @@
 """The error budget: corrections, intervals and their components for each headline quantity and answer."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,8 +22,8 @@ from roughcontact.uncertainty.combination import (
     SIDES,
     SOURCES,
     Components,
-    added_up,
     component_from_units,
+    sum_of_causes,
     symmetric,
 )
 from roughcontact.uncertainty.discretisation import (
@@ -192,7 +192,7 @@ def error_budget(
     }
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
     components |= {
-        source: _summed(of_inputs[key] for key in OF_MATERIAL[source]) for source in stated_sources
+        source: sum_of_causes(of_inputs[key] for key in OF_MATERIAL[source]) for source in stated_sources
     }
     if "instrument" in sources:
         as_measured = (
@@ -202,8 +202,8 @@ def error_budget(
         )
         causes, as_measured_values = instrument_components(result, instrument, as_measured, true_shapes)
         # amplifications have components of the pressure in contact of their own
-        causes = [add_pressure(_summed(causes), area_for_the_load(result, middle))]
-        components["instrument"] = _summed([*causes, *(of_inputs[key] for key in AMPLIFICATIONS)])
+        causes = [add_pressure(sum_of_causes(causes), area_for_the_load(result, middle))]
+        components["instrument"] = sum_of_causes([*causes, *(of_inputs[key] for key in AMPLIFICATIONS)])
         columns |= {f"{name}_as_measured": ("load", value) for name, value in as_measured_values.items()}
     if "unresolved" in sources:
         columns |= (curve := magnification_curve(result))
@@ -254,10 +254,3 @@ def _solver_components(solution: xr.Dataset) -> Components:
     """Return the components of the solver, whose half-widths are in the unit of each quantity."""
     widths = {name: symmetric(solution[f"{name}_uncertainty"].values) for name in CORRECTED}
     return {name: component_from_units(name, solution[name].values, width) for name, width in widths.items()}
-
-
-def _summed(causes: Iterable[Components]) -> Components:
-    """Return the components of independent causes of one source, added up."""
-    causes = list(causes)
-    names = {name for cause in causes for name in cause}
-    return {name: added_up(cause[name] for cause in causes if name in cause) for name in names}

@@ -58,6 +58,13 @@ def added_up(components: Iterable[Component]) -> Component:
     return np.concatenate([np.sqrt(np.sum(stack[:, :2] ** 2, axis=0)), np.sum(stack[:, 2:], axis=0)])
 
 
+def sum_of_causes(causes: Iterable[Components]) -> Components:
+    """Return the components of independent causes of one source, added up."""
+    causes = list(causes)
+    names = {name: None for cause in causes for name in cause}
+    return {name: added_up(cause[name] for cause in causes if name in cause) for name in names}
+
+
 def component_from_units(name: str, value: np.ndarray, sides: Component) -> Component:
     """Return a component from one whose half-widths and shifts are in the unit of a quantity.
 

@@ -1,6 +1,7 @@
-"""The ± of what runs over a distance or a speed: by the parts of the window, and by finer pixels on one."""
+"""The ± of what runs over a distance or a speed: by parts of the window, finer pixels and the instrument."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -8,11 +9,17 @@ import xarray as xr
 from roughcontact.arguments.answers import ENDS, PEAK
 from roughcontact.arguments.maps import refined, spacing
 from roughcontact.surface.window.periodic_window import subwindow
+from roughcontact.surface.window.transfer import undone
+from roughcontact.uncertainty.combination import Components, interval_bounds, sum_of_causes, symmetric
+from roughcontact.uncertainty.ensemble import Result
+from roughcontact.uncertainty.instrument import instrument_components
 from roughcontact.uncertainty.random_effects import student
-from roughcontact.uncertainty.scales import from_scale, to_scale
+from roughcontact.uncertainty.scales import to_scale
 from roughcontact.uncertainty.subwindows import divided, relevelled
 
 MAX_PARTS = 9
+
+Run = Callable[[xr.DataArray], xr.Dataset]  # the course on a window
 
 
 def levelled_parts(window: xr.DataArray) -> list[xr.DataArray]:
@@ -22,46 +29,62 @@ def levelled_parts(window: xr.DataArray) -> list[xr.DataArray]:
     return [subwindow(relevelled(window.isel(area), 1)) for area in areas]
 
 
-def squared_change(name: str, other: xr.Dataset, course: xr.Dataset) -> np.ndarray:
-    """Return the squared change of an answer from a course to another one, on its scale."""
+def change(name: str, other: xr.Dataset, course: xr.Dataset) -> np.ndarray:
+    """Return the change of an answer from a course to another one, on its scale."""
     with np.errstate(invalid="ignore"):
-        return (to_scale(name, other[name].values) - to_scale(name, course[name].values)) ** 2
+        return to_scale(name, other[name].values) - to_scale(name, course[name].values)
 
 
-def squared_widths(
-    window: xr.DataArray, run: Callable[[xr.DataArray], xr.Dataset], names: Sequence[str]
-) -> dict[str, np.ndarray]:
-    """Return the squared half-widths of answers by the courses on the parts of a window, on the scales.
+def components_of_parts(
+    window: xr.DataArray,
+    run: Run,
+    names: Sequence[str],
+    *,
+    instrument: Mapping[str, Any] | None = None,
+    as_measured: xr.DataArray | None = None,
+) -> Components:
+    """Return the components of answers by the courses on the parts of a window.
 
-    Twice what pixels half as large change on the first part, which stands for all, and Student's factor of
-    the scatter of the parts.
+    Student's factor of the scatter of the parts; and on the first part, which stands for all, twice what
+    pixels half as large change, and what noise, lens, tip and rounding of an instrument do, where it is given
+    (`instrument_components`). `as_measured` is the window before a correction for it.
     """
     cut = levelled_parts(window)
     courses, finer = [run(part) for part in cut], run(refined(cut[0], 2))
-    squares = {}
-    for name in names:
-        squares[name] = 4 * squared_change(name, finer, courses[0])
-        if len(courses) > 1:
+    causes: list[Components] = [
+        {name: symmetric(2 * np.abs(change(name, finer, courses[0]))) for name in names}
+    ]
+    if len(courses) > 1:
+        factor = float(student(np.array(len(courses) - 1.0)))
+        for name in names:
             with np.errstate(invalid="ignore"):
-                scatter = np.var([to_scale(name, course[name].values) for course in courses], axis=0, ddof=1)
+                scatter = np.std([to_scale(name, course[name].values) for course in courses], axis=0, ddof=1)
             # the largest pressure is that of one part, and scatters as in one; all others are means
             averaged = 1 if name == PEAK else len(courses)
-            squares[name] += float(student(np.array(len(courses) - 1.0))) ** 2 * scatter / averaged
-    return squares
+            causes.append({name: symmetric(factor * scatter / np.sqrt(averaged))})
+    if instrument is not None:
+
+        def solve(part: xr.DataArray, *_: Any, **__: Any) -> dict[str, np.ndarray]:
+            course = run(part)
+            return {name: course[name].values for name in names}
+
+        values = {name: courses[0][name].values for name in names}
+        result = Result(cut[0], {"mean_pressure": np.nan}, values, solve)
+        before = None if as_measured is None else levelled_parts(as_measured)[0]
+        causes += instrument_components(result, instrument, before, undone(cut[0], instrument))[0]
+    return sum_of_causes(causes)
 
 
-def with_ends(course: xr.Dataset, squares: Mapping[str, np.ndarray]) -> xr.Dataset:
-    """Return a course with both ends of answers, by their squared half-widths on the scales.
+def with_ends(course: xr.Dataset, causes: Iterable[Components]) -> xr.Dataset:
+    """Return a course with both ends of answers, by the independent causes of their ±.
 
     Closed gaps and infinite conductances have no scale, and no ends.
     """
-    with np.errstate(invalid="ignore"):
-        ends = {
-            f"{name}{suffix}": (
-                course[name].dims,
-                from_scale(name, to_scale(name, course[name].values) + sign * np.sqrt(square)),
-            )
-            for name, square in squares.items()
-            for suffix, sign in zip(ENDS[1:], (-1, 1), strict=True)
-        }
+    ends = {
+        f"{name}{suffix}": (course[name].dims, end)
+        for name, total in sum_of_causes(causes).items()
+        for suffix, end in zip(
+            ENDS[1:], interval_bounds(name, to_scale(name, course[name].values), total), strict=True
+        )
+    }
     return course.assign(ends)

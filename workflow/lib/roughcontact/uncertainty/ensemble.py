@@ -1,7 +1,7 @@
 """Ensemble members: solutions to a wider tolerance, at few loads, of which only some quantities are kept."""
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -77,6 +77,7 @@ class Result(NamedTuple):
     window: xr.DataArray  # (y, x), m
     contact: Mapping[str, Any]  # arguments of `solve_contact`
     values: Values  # without the pressure in contact, which follows from the area
+    solve: Callable[..., dict[str, np.ndarray]] = solve_member
 
     @property
     def load(self) -> np.ndarray:
@@ -103,7 +104,7 @@ class Result(NamedTuple):
 
     def solve_at_samples(self, window: xr.DataArray) -> dict[str, np.ndarray]:
         """Return the results of another window at the few loads."""
-        return solve_member(window, self.contact, names=self.values, loads=self.few)
+        return self.solve(window, self.contact, names=self.values, loads=self.few)
 
     def again(self, window: xr.DataArray) -> dict[str, np.ndarray]:
         """Return the results of a changed window (load)."""

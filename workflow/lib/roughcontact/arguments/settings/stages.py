@@ -22,7 +22,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
 _AFTER = {  # sections of files that follow the contact, which no other case shares
     "residual": ("level", "window", "contact", "statistics"),
     "worn": ("level", "window", "contact", "statistics", "wear"),
-    "sliding": ("level", "window", "contact", "statistics", "sliding"),
+    "sliding": ("level", "window", "contact", "statistics", "sliding", "instrument"),
 }
 
 
