@@ -47,6 +47,7 @@ def check_labelled(height: object) -> "xr.DataArray":
             f"{name} holds quantities of pint: give height.pint.dequantify(), with its units"
         )
     dtype_kind = getattr(height.dtype, "kind", None)  # of NumPy's types
+    # dtypes of other libraries have no kind
     if dtype_kind not in ("f", "i", "u") and (
         dtype_kind or str(height.dtype).startswith(("bool", "complex"))
     ):
@@ -88,6 +89,7 @@ def _suggest_way(height: "xr.DataArray") -> str:
 def _check_positions(positions: "np.ndarray", coordinate: str) -> None:
     """Raise HeightMapError where the positions along an axis do not increase in even steps."""
     steps = positions[1:] - positions[:-1]
+    # without `numpy.diff`: this module is imported before NumPy is needed
     if steps.size and not (steps > 0).all():
         raise HeightMapError(
             f"{coordinate} does not increase strictly; sort the map, height.sortby(['y', 'x'])"
@@ -144,6 +146,7 @@ def check_map(height: "xr.DataArray") -> "np.ndarray":
         raise HeightMapError(
             f"all {values.size} points of {name} are missing: choose another channel, or measure again"
         )
+    # zero is a height like others
     if (largest := float(np.nanmax(np.abs(values)))) and not SMALLEST <= largest <= LARGEST:
         raise HeightMapError(f"{name} has heights of {largest:g} m: check the unit, or how the file was read")
     warn_of_unit(height, stacklevel=5)
@@ -186,6 +189,7 @@ def check_choice(key: str, value: object, choices: Any) -> None:
     choices_allowed = get_args(choices)
     if value in choices_allowed:
         return
+    # the nearest one, as most mistakes are of spelling
     close_matches = difflib.get_close_matches(str(value), choices_allowed, n=1)
     hint = f"did you mean {close_matches[0]!r}? " if close_matches else ""
     valid = " or ".join(", ".join(choices_allowed).rsplit(", ", 1))

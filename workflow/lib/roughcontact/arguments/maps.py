@@ -70,12 +70,13 @@ def height_map(
     if isinstance(values, xr.DataArray):
         height_unit = height_unit or unit_of(values.attrs)
         values = values.transpose("y", "x") if {*values.dims} == {"y", "x"} else values
+    # a profile is a map of one row
     heights = np.atleast_2d(np.asarray(values))
     if heights.ndim != 2 or not heights.size or heights.dtype.kind not in "fiu":
         raise HeightMapError(
             f"values of shape {heights.shape} and type {heights.dtype} are no map of real numbers (ny, nx)"
         )
-    if np.ma.isMaskedArray(values):
+    if np.ma.isMaskedArray(values):  # `numpy.asarray` drops the mask
         heights = np.where(np.ma.getmaskarray(values), np.nan, heights)
     lateral, vertical = (unit_factor(stated_unit or "m", "m") for stated_unit in (unit, height_unit or unit))
     if lateral is None or vertical is None:
@@ -99,6 +100,7 @@ def height_map(
         missing_points=missing,
         missing_share=missing / heights.size,
     )
+    # cell centres: the border of the map is half a pixel before
     y = xr.Variable("y", (np.arange(ny) + 0.5) * dy, {"units": "m"})
     x = xr.Variable("x", (np.arange(nx) + 0.5) * dx, {"units": "m"})
     if unit is None and not any(map(carries_unit, np.ravel(spacing))):

@@ -54,6 +54,7 @@ class Doubt(NamedTuple):
 def contact_modulus(bodies: Sequence[Mapping[str, Any]]) -> float:
     """Return E* (Pa) of two bodies, 1/E* = sum of (1 - nu^2)/E at the surface (Johnson 1985, eq. (4.4))."""
     surfaces = [top_material(body) for body in bodies]
+    # two half-spaces in series; of a coated body the layer at its surface
     return 1 / sum((1 - surface["poissons_ratio"] ** 2) / surface["youngs_modulus"] for surface in surfaces)
 
 
@@ -68,6 +69,7 @@ def doubt_of_modulus(modulus: float) -> Doubt | None:
     True
     """
     if modulus < SOFTEST:
+        # as if GPa or MPa were taken for Pa
         reason = f"{quantity(modulus, 'Pa')} is softer than any gel ({quantity(SOFTEST, 'Pa')})"
         return Doubt(reason, _within(modulus, (_GIGA, _MEGA), SOFTEST, STIFFEST))
     if modulus > STIFFEST:
@@ -99,7 +101,7 @@ def doubt_of_gel(modulus: float, pressures: Sequence[float]) -> Doubt | None:
 def doubt_of_body(youngs_modulus: float, poissons_ratio: float) -> Doubt | None:
     """Return a doubt about an implausible Young's modulus (Pa) of a body, or None, as for a rigid one."""
     if youngs_modulus >= RIGID:
-        return None
+        return None  # it stands for no material
     if SOFTEST <= youngs_modulus < GEL and poissons_ratio < GEL_POISSONS_RATIO:
         reason = (
             f"{quantity(youngs_modulus, 'Pa')} is as soft as a gel, which has a Poisson's ratio near 0.5, "
@@ -124,6 +126,7 @@ def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
     >>> doubt_of_load(2.0, 1.15e5).reason
     '2.00 Pa is next to no load on a contact modulus of 115 kPa (115 GPa, were it given in MPa)'
     """
+    # a soft body bears little: the weight of a sheet is a load for it
     lightest = max(MIN_RELATIVE_LOAD * contact_modulus, min(MIN_LOAD, SOFT_RELATIVE_LOAD * contact_modulus))
     heaviest = contact_modulus
     if mean_pressure < lightest:

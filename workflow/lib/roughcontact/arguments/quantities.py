@@ -149,6 +149,7 @@ def pressure_unit(contact_modulus: float) -> Unit:
     >>> pressure_unit(115e9).symbol, pressure_unit(2e6).symbol, pressure_unit(1e3).symbol
     ('MPa', 'kPa', 'Pa')
     """
+    # one unit for all pressures of a page, whatever each would have by itself
     if contact_modulus < 1e5:
         return Unit(1.0, "Pa")
     return Unit(1e-3, "kPa") if contact_modulus < 1e7 else Unit(1e-6, "MPa")
@@ -175,6 +176,7 @@ def height_unit(rms_height: float) -> Unit:
     if 0 < rms_height < 1e-7:
         return Unit(1e9, "nm")
     if rms_height >= 2e-3:
+        # a wavy map of metres is no roughness, and its numbers are still right
         return Unit(1e3, "mm") if rms_height < 2 else Unit(1.0, "m")
     return Unit(1e6, "µm")
 
@@ -208,10 +210,11 @@ def number(value: float, *, digits: int = 3, decimals: int | None = None) -> str
         return "∞" if value > 0 else "−∞"
     if value == 0:
         return "0"
+    # by the format, which rounds before the power is known
     mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
     power = int(exponent)
     if decimals is not None and digits - 1 - power > decimals:
-        return _fixed(value, decimals)
+        return _fixed(value, decimals)  # places rather than digits
     if -3 <= power < 6:
         return f"{value:.{max(digits - 1 - power, 0)}f}".replace("-", "−")
     return f"{mantissa.replace('-', '−')}×10{str(power).translate(_SUPERSCRIPT)}"
@@ -250,16 +253,18 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
     """
     value, lower, upper = map(float, (value, lower, upper))
     if math.isnan(value):
-        half = max((upper - lower) / 2, finest)
+        half = max((upper - lower) / 2, finest)  # without a value: both ends
         return _range_in_words(*(_end(bound, half, 3) for bound in (lower, upper)))
     below = 0.0 if math.isclose(lower, value, rel_tol=_ROUNDING) else value - lower
     above = 0.0 if math.isclose(upper, value, rel_tol=_ROUNDING) else upper - value
     wider, narrower = max(below, above), min(below, above)
     zero = value == below == 0.0 and above > _NEGLIGIBLE  # has no digits that an end could carry
+    # about symmetric, or one half alone
     even = narrower < 0 or narrower >= (1 - _MAX_ASYMMETRY) * wider
     wider_side = max(wider if even else max(narrower or wider, _UNEVEN * wider), finest)
     if lower > 0 and below > 0 and wider < math.inf:  # would read as 0, and is not
         zero = lower < 10.0 ** -_decimal_places(max(wider_side, below))
+    # a half-width of many times the value says nothing: both ends do
     if math.isfinite(lower) != math.isfinite(upper) or above > _END_NOTATION_FROM * value > 0 or zero:
         wider_side = max(below if math.isfinite(lower) else above, finest)
         digits = 2 if _is_long(value) else 3
@@ -267,6 +272,7 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
         range_text = _range_in_words(
             *(_end(bound, max(abs(half), finest), 2) for bound, half in ((lower, below), (upper, above)))
         )
+        # the value is one of the ends
         interval = f"({range_text})" if wider_side or " to " in range_text else range_text.partition(" ")[2]
         return f"{text or number(value, digits=digits)} {interval}"
     if not math.isfinite(wider) or wider <= (0 if value else _NEGLIGIBLE):
@@ -320,11 +326,13 @@ def _format_half_widths(value: float, sides: Mapping[str, float], decisive: floa
 
 def _decimal_places(half_width: float) -> int:
     """Return the decimal places of two digits of a positive number."""
+    # rounded first: 0.0996 has the places of 0.10
     return 1 - math.floor(math.log10(float(f"{half_width:.1e}")))
 
 
 def _fixed(value: float, decimals: int) -> str:
     """Return a number rounded to decimal places, which may be negative; there is no -0."""
+    # + 0.0: minus zero becomes zero
     return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}".replace("-", "−")
 
 

@@ -44,7 +44,7 @@ def ends(value: float, shares: float | Shares | None) -> tuple[float, float]:
     ((1.5, 2.5), (1.5, 4.0), (2.0, 2.0))
     """
     sides = [shares or 0.0] if shares is None or isinstance(shares, int | float) else list(shares)
-    return value * (1 - sides[0]), value * (1 + sides[-1])
+    return value * (1 - sides[0]), value * (1 + sides[-1])  # one share is that of both sides
 
 
 def weighted(values: Sequence[float], ranges: Sequence[float | Shares | None]) -> tuple[float, float, float]:
@@ -55,6 +55,7 @@ def weighted(values: Sequence[float], ranges: Sequence[float | Shares | None]) -
     >>> weighted([3.0, 4.0], [1 / 3, 0.0])
     (7.0, 6.0, 8.0)
     """
+    # without rounding in the order of summation
     total = math.fsum(values)
     bounds = [ends(value, shares) for value, shares in zip(values, ranges, strict=True)]
     below, above = (
@@ -78,6 +79,7 @@ def with_shares(section: Any, names: Iterable[str]) -> Any:
         return section
     full = dict(section)
     for name in _RANGED.keys() & {*names} & full.keys():
+        # one number, or a list of loads, is no range
         if (pair := both_ends(full[name])) is None:
             continue
         if full.get(name_of_range(name)) is not None:
@@ -85,7 +87,7 @@ def with_shares(section: Any, names: Iterable[str]) -> Any:
         try:
             low, high = sorted(float(convert_to_base_unit(end, _RANGED[name])) for end in pair)
         except (TypeError, ValueError):
-            continue
+            continue  # the check of the setting itself names it
         if not 0 < low < high < math.inf:
             continue
         middle = (low + high) / 2
@@ -105,6 +107,7 @@ def both_ends(value: Any) -> list[Any] | None:
         low, dots, high = (part.strip() for part in value.partition(TO))
         if not dots:
             return None
+        # 2..3 GPa: the unit behind both
         unit = high.lstrip("+-.0123456789eE ") if carries_unit(high) and not carries_unit(low) else ""
         return [f"{low} {unit}".strip(), high]
     return list(value) if isinstance(value, list | tuple) and len(value) == 2 else None

@@ -61,6 +61,7 @@ def as_si(function: _Function) -> _Function:
     """
     names = tuple(signature(function).parameters)
 
+    # names of the arguments by position
     @wraps(function)
     def converted(*args: Any, **options: Any) -> Any:
         values = [_as_si(name, value) for name, value in zip(names, args, strict=False)]
@@ -78,9 +79,10 @@ def _as_si(name: str, value: Any) -> Any:
         return labelled_in_si(value)
     if isinstance(value, Mapping):
         inside = f"{name}." if name in ("seal", "joint", "requirement") else ""
+        # keys of these sections are names of other quantities elsewhere
         return {key: _as_si(f"{inside}{key}", entry) for key, entry in value.items()}
     if isinstance(value, str) and name in QUANTITIES:
-        value = both_ends(value) or value
+        value = both_ends(value) or value  # a range in text: both ends are converted
     if type(value) in (list, tuple):
         return type(value)(_as_si(name, entry) for entry in value)
     return convert_quantity(QUANTITIES[name], name, value) if name in QUANTITIES else value
@@ -139,17 +141,20 @@ def labelled_in_si(map_or_dataset: _Labelled) -> _Labelled:
             bare.append(coordinate)
         if unit is None or unit == base:
             continue
+        # a variable of any name: by what its unit is of
         base = base or ("m" if unit_factor(unit, "m") else "Pa")
         factor = unit_factor(unit, base)
         if factor is None and name in _FIELDS:
             title = map_or_dataset.attrs.get("source_file") or "the map"
             raise HeightMapError(f"{coordinate} of {title}: {unknown_unit(unit, base)}")
-        if factor not in (None, 1.0):
+        if factor not in (None, 1.0):  # not for a unit of something else, such as a flag
             attrs = {key: value for key, value in variable.attrs.items() if key != "unit"}
+            # in double: integers and single precision would lose digits
             data = variable.data * np.float64(factor)
             conversions[name] = xr.Variable(variable.dims, data, attrs | {"units": base})
     if not conversions:
         return map_or_dataset
+    # one of two that states its unit says nothing of the other
     if bare:
         warnings.warn(
             f"{' and '.join(bare)} of the map: no attribute units, taken in m, beside others that have one; "

@@ -42,6 +42,7 @@ def spellings(base: str) -> dict[str, float]:
     """Return the value in a base unit of each spelling in `units.tsv`."""
     text = Path(__file__).with_name("units.tsv").read_text(encoding="utf-8")
     rows = [line.split("\t") for line in text.splitlines() if line.startswith(f"{base}\t")]
+    # µ has two code points, which NFKC makes one
     return {unicodedata.normalize("NFKC", name): float(value) for _, value, *names in rows for name in names}
 
 
@@ -59,6 +60,7 @@ def unit_factor(unit: object, base: str) -> float | None:
     if name in table:
         return table[name]
     candidates = _spellings_like(name, base)
+    # capitals may differ in words, never in symbols: mPa and MPa
     return table.get(name.lower()) if len(name) > 3 and len(candidates) == 1 else None
 
 
@@ -90,6 +92,7 @@ def unknown_unit(unit: object, base: str) -> str:
     """
     names = [name.lower() for name in spellings(base)]
     close_matches = difflib.get_close_matches(_clean(unit).lower(), names, n=1)
+    # all capitals of the nearest word, since they may be different units
     suggestions = [repr(name) for match in close_matches for name in _spellings_like(match, base).values()]
     hint = f"did you mean {' or '.join(suggestions)}? " if suggestions else ""
     quantity, usual = _QUANTITIES[base]
@@ -98,6 +101,7 @@ def unknown_unit(unit: object, base: str) -> str:
 
 def carries_unit(value: object) -> bool:
     """Return whether a value is a number followed by a unit, as in ``"115 GPa"``; False for a bare number."""
+    # a number alone is in the base unit
     return isinstance(value, str) and not _is_number(value) and bool(_NUMBER_AND_UNIT.fullmatch(value))
 
 
@@ -145,6 +149,7 @@ def lengths_in_text(text: str, count: int) -> list[float] | None:
 def _clean(unit: object) -> str:
     """Return the normalised spelling, for comparison."""
     name = unicodedata.normalize("NFKC", str(unit)).strip()
+    # a quotient may be spelt m s^-1 or m/s
     return name.replace("^", "").replace(" / ", "/") if "/" in name else name
 
 

@@ -84,6 +84,7 @@ def self_affine_surface(
     dimension = 2 if min(shape) > 1 else 1
     noise = np.fft.rfft2(np.random.default_rng(seed).standard_normal(shape))
     spectrum = np.zeros(q.shape, dtype=complex)
+    # random phases, exact amplitudes: the spectrum has no scatter
     spectrum[inside] = noise[inside] / np.abs(noise[inside]) * q[inside] ** -(hurst + dimension / 2)
     power = halfplane_weights(shape) * np.abs(spectrum) ** 2
     if rms_gradient is None:
@@ -194,6 +195,7 @@ def turned_surface(
     groove = np.floor(across / feed).astype(int)
     from_middle = across - (groove + 0.5) * feed
     generator = np.random.default_rng(seed)
+    # each pass of the tool is a little deeper or less deep
     depth = groove_scatter * generator.standard_normal(groove.max() + 1)
     # neighbouring passes cut into each other: the lower of the two parabolas is what stays
     heights = from_middle**2 / (2 * nose_radius) + depth[groove]
@@ -274,6 +276,7 @@ def ground_surface(
         seed=seed,
     ).values
     if skewness_power != 1.0:
+        # a power of the depth: flattened summits, deep scratches
         depth = (heights.max() - heights) ** skewness_power
         heights = depth.mean() - depth
         heights *= rms_height / heights.std()

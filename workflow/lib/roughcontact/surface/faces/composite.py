@@ -104,6 +104,7 @@ def composite(
     positions = common_grid(lower, upper, turn, shift)
     v, u = np.meshgrid(*(p - s for p, s in zip(positions, shift, strict=True)), indexing="ij")
     cosine, sine = turn
+    # the counter-face is seen from its back: x is mirrored
     face_positions = np.meshgrid(*positions, indexing="ij"), (v * cosine - u * sine, -(u * cosine + v * sine))
     values, on_filled = _sum_at((lower, upper), face_positions)
     is_measured = np.isfinite(values)
@@ -113,6 +114,7 @@ def composite(
             "smaller shift"
         )
     coordinates = [p + c for p, c in zip(positions, lower.middle, strict=True)]
+    # a plane would break the period that both have
     form, form_record = fit_polynomial(values, coordinates, order=0 if period else 1)
     values = values - form
     on_filled &= is_measured
@@ -138,6 +140,7 @@ def composite(
         "filled": (("y", "x"), on_filled.astype(np.int8)),
     }
     if any("rejected_height" in side.height.coords for side in (lower, upper)):
+        # with what levelling has rejected on either face: a check asks what it would carry
         restored_faces = [Face(restore_rejected(side.height)) for side in (lower, upper)]
         with_rejected, is_rejected = _sum_at(restored_faces, face_positions)
         heights = np.where(is_rejected & is_measured, with_rejected - form, np.nan)
@@ -178,9 +181,11 @@ def _attributes(lower: Face, upper: Face, on_filled: np.ndarray) -> dict:
         facts += [f"{name}: {fact}" for fact in reading.facts]
         spikes |= {f"{name}: {spike}": f"{name}: {text}" for spike, text in reading.spikes.items()}
     attrs_of_faces = lower_attrs, upper_attrs
+    # the sum has the rows of the worse face
     with_jitter = max(attrs_of_faces, key=lambda attrs: attrs.get("row_jitter", 0.0))
     steps = [attrs["quantisation_step"] for attrs in attrs_of_faces if "quantisation_step" in attrs]
     noises = [noise for attrs in attrs_of_faces if (noise := Instrument.read(attrs).noise) is not None]
+    # the sum resolves what the coarser face does
     coarser = max((lower, upper), key=lambda face: reliable_wavelength(face.height)[0])
     return lower_attrs | {
         "units": "m",
@@ -197,5 +202,6 @@ def _attributes(lower: Face, upper: Face, on_filled: np.ndarray) -> dict:
         "largest_hole": max(attrs.get("largest_hole", 0) for attrs in attrs_of_faces),
         # each face lies within half of its step
         **({"quantisation_step": sum(steps)} if steps else {}),
+        # independent noises add in squares
         **Instrument(noise=math.hypot(*noises) if noises else None).attributes(),
     }

@@ -33,6 +33,7 @@ class Face:
         values = check_map(height)
         form_record = json_attribute(height.attrs, "form_removed")
         form = form_from_record(form_record, height["y"].values, height["x"].values)
+        # periodic with its form: continued with it
         periodic = periodic_heights(values, form)
         self.height = height
         self.name: str = height.attrs.get("source_file") or "the map"
@@ -49,7 +50,9 @@ class Face:
 
         The positions y, x (m, arrays of one shape) are relative to the middle of the map.
         """
+        # in pixels from the first point
         indices = [p / d + (n - 1) / 2 for p, d, n in zip((y, x), self.step, self.shape, strict=True)]
+        # points that meet need no interpolation, which would smooth them
         indices = [np.where(np.abs(p - np.rint(p)) < POINT_TOLERANCE, np.rint(p), p) for p in indices]
         if self.periodic:
             inside = np.ones(indices[0].shape, dtype=bool)
@@ -58,6 +61,7 @@ class Face:
             inside = np.logical_and.reduce(
                 [(p >= 0) & (p <= n - 1) for p, n in zip(indices, self.shape, strict=True)]
             )
+            # any valid place: the height there is masked below
             indices = [np.clip(p, 0, n - 1) for p, n in zip(indices, self.shape, strict=True)]
         if all(np.array_equal(p, np.rint(p)) for p in indices):
             index = tuple(p.astype(int) for p in indices)
@@ -76,11 +80,12 @@ class Face:
         values = self.values
         if missing.any():  # the spline needs a height everywhere; these points are masked again below
             nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
-            values = values[tuple(nearest)]
+            values = values[tuple(nearest)]  # by the nearest measured height
         # beyond the rim the cubic of the last intervals (not-a-knot); a point reflection has no curvature
         rim = [0 if self.periodic or n == 1 else _SPLINE_MARGIN for n in self.shape]
         for axis, (n, margin) in enumerate(zip(self.shape, rim, strict=True)):
             if margin:
+                # few points allow no cubic
                 spline = make_interp_spline(np.arange(n), values, k=min(3, n - 1), axis=axis)
                 margins = spline(np.arange(-margin, 0)), spline(np.arange(n, n + margin))
                 values = np.concatenate([margins[0], values, margins[1]], axis=axis)

@@ -24,6 +24,7 @@ def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float
         raise SettingsError(f"shift = {shift!r}: give two lengths (y, x) in m")
     if not np.isfinite(rotation):
         raise SettingsError(f"rotation = {rotation!r}: give an angle in degrees")
+    # a profile has no second direction, along which a shift would mean something
     if any(across) and (rotation or any(s for s, single in zip(shift, across, strict=True) if single)):
         raise SettingsError(
             f"{name}: profiles can only be shifted along their length (composite.rotations: [0])"
@@ -44,6 +45,7 @@ def cosine_and_sine(rotation: float) -> tuple[float, float]:
     [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)]
     """
     angle = np.radians(rotation)
+    # cosines of right angles are 6e-17 otherwise, and points would not meet
     cosine, sine = (0.0 if abs(v) < _ANGLE_TOLERANCE else float(v) for v in (np.cos(angle), np.sin(angle)))
     if sine == 0:
         return np.sign(cosine), 0.0
@@ -70,6 +72,7 @@ def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
 
     `turn` is (cosine, sine) of the rotation of the upper one.
     """
+    # turned by other angles a square period does not repeat along the axes
     lengths = along_axes(upper.lengths, turn)
     return bool(
         lower.periodic
@@ -88,9 +91,11 @@ def common_grid(
     (y, x; m), has the smaller step.
     """
     name = pair_name(lower, upper)
+    # at other angles points never meet: the finer of both steps decides
     steps = along_axes(upper.step, turn) or (min(upper.step),) * 2
     half_y, half_x = ((n - 1) * d / 2 for n, d in zip(upper.shape, upper.step, strict=True))
     cosine, sine = (abs(v) for v in turn)
+    # half sides of the rectangle around the turned face
     half = half_y * cosine + half_x * sine, half_x * cosine + half_y * sine
     ranges = []
     for axis, points in enumerate(lower.shape):
@@ -98,6 +103,7 @@ def common_grid(
         origin = -(points - 1) * lower.step[axis] / 2
         start, stop = 0, number
         if not upper.periodic:
+            # points on the border belong to the overlap, whatever their rounding
             low, high, tolerance = shift[axis] - half[axis], shift[axis] + half[axis], POINT_TOLERANCE * step
             start = max(0, int(np.ceil((low - origin - tolerance) / step)))
             stop = min(number, int(np.floor((high - origin + tolerance) / step)) + 1)
@@ -116,6 +122,7 @@ def common_grid(
 def covered_share(lower: Face, positions: Sequence[np.ndarray]) -> float:
     """Return the share (0 to 1) of the lower face that the positions of `common_grid` span."""
     shares = [
+        # cells, not points: the last point has a cell, too
         1.0 if n == 1 else (p[-1] - p[0] + p[1] - p[0]) / ((n - 1) * d + p[1] - p[0])
         for p, n, d in zip(positions, lower.shape, lower.step, strict=True)
     ]
@@ -128,7 +135,7 @@ def _points_and_step(
     """Return number of points and step along an axis, refined evenly to at most the other step."""
     if points == 1 or other_step >= face_step * (1 - STEP_TOLERANCE):
         return points, face_step
-    intervals = points - (not periodic)
+    intervals = points - (not periodic)  # a period has as many intervals as points, a line one less
     length = intervals * face_step
     closer = int(np.ceil(length / other_step - POINT_TOLERANCE))
     return closer + (not periodic), length / closer

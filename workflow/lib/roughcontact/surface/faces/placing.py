@@ -69,7 +69,7 @@ def overview_with_place(levelled: xr.DataArray, overview: xr.DataArray, position
     `position` is what the table states (`arguments.positions`); one of another position has no place.
     """
     fine, field = measured_rectangle(levelled), measured_rectangle(overview)
-    if position == ELSEWHERE:
+    if position == ELSEWHERE:  # stated by the user: other places of the face are of use, too
         check_size(fine, field)
         return field
     place = place_of(fine, field, near=parse_position(position))
@@ -80,6 +80,7 @@ def joined_overviews(overviews: Sequence[xr.DataArray]) -> xr.Dataset:
     """Return overviews (y, x; m) of different fields and pixels as one dataset, the content of a file."""
     columns, coordinates = {}, {}
     for rank, overview in enumerate(overviews, start=1):
+        # files hold overviews of different pixels: each has axes of its own
         axes = {axis: f"{axis}_{rank}" for axis in overview.dims}
         for axis, name in axes.items():
             words = f"{axis} of overview {rank}"
@@ -120,6 +121,7 @@ def frame_of_place(overview: xr.DataArray, fine: xr.DataArray) -> tuple[float, f
     place = recorded_place(overview)
     if place is None:
         return None
+    # in the lengths of the overview, whose scale may differ
     sides = {axis: n * d * place.scale for axis, n, d in zip("yx", fine.shape, spacing(fine), strict=True)}
     corners = {
         axis: getattr(place, axis) - float(overview[axis][0]) + d / 2 - sides[axis] / 2
@@ -166,8 +168,10 @@ def place_of(fine: xr.DataArray, overview: xr.DataArray, *, near: tuple[float, f
     (True, 1.0)
     """
     check_size(fine, overview)
+    # a stated place is searched within a margin
     place = best_place(fine, overview if near is None else _around(overview, fine, near))
     if near is not None:
+        # a stated place is not doubted, however many others look like it
         place = replace(place, uncertainty=min(place.uncertainty, MAX_UNCERTAINTY))
     _check_place(place, fine, overview)
     return place
@@ -178,6 +182,7 @@ def best_place(fine: xr.DataArray, overview: xr.DataArray) -> Place:
     order = form_order(fine)
     steps = np.array(spacing(overview))
     points = np.array(fine.shape) * spacing(fine) / steps
+    # angles and scales are tried on a coarse overview, and refined on the full one
     coarsening = max(1, int(points.min() // _SEARCHED_POINTS))
     small = overview.coarsen(y=coarsening, x=coarsening, boundary="trim").mean()
     search = _Search(fine, small, order)
@@ -187,6 +192,7 @@ def best_place(fine: xr.DataArray, overview: xr.DataArray) -> Place:
     best = max(product(angles, 1 + stretches), key=search.height)
     search = _Search(fine, overview, order)
     step = 0.5 * np.array([angle, stretch])
+    # halved where no neighbour fits better
     while step[0] >= search.strides[0] * _LEAST_SHIFT / _SEARCHED_SHIFT:
         nearest = max([best, *_neighbours(best, step)], key=search.height)
         step = step / (2 if nearest == best else 1)
@@ -208,6 +214,7 @@ def _around(overview: xr.DataArray, fine: xr.DataArray, near: tuple[float, float
     for axis, middle, side, length in zip("yx", near[::-1], sides, side_lengths(part), strict=True):
         if length < side:
             name = overview.attrs.get("source_file") or "the overview"
+            # the part would end before the map does
             raise HeightMapError(
                 f"overview_position: with its middle at {axis} = {quantity(middle, 'm')} the map reaches "
                 f"beyond {name}; state x and y from the lower left corner of the overview"
@@ -304,8 +311,10 @@ class _Search:
     def __init__(self, fine: xr.DataArray, overview: xr.DataArray, order: int):
         self._steps, self._fine_steps, self._order = spacing(overview), spacing(fine), order
         widths = [max(1, round(d / f)) for d, f in zip(self._steps, self._fine_steps, strict=True)]
+        # as the overview averages over its pixels
         self._fine = scipy.ndimage.uniform_filter(fine.values, widths, mode="nearest")
         self._lag = [0.5 * (width % 2 == 0) for width in widths]  # an even mean is of half a pixel before
+        # without its mean the sums of squares keep their digits
         image = overview.values - overview.values.mean()
         self._size, self._points = image.shape, [scipy.fft.next_fast_len(n, real=True) for n in image.shape]
         self._image, self._squares = (scipy.fft.rfft2(field, self._points) for field in (image, image**2))
@@ -332,8 +341,9 @@ class _Search:
         if shape not in self._norms:
             self._norms[shape] = self._norm(shape)
         norm, basis = self._norms[shape]
+        # each place is levelled as the map was: forms do not count as likeness
         template -= basis.T.reshape(*shape, -1) @ (basis @ template.ravel())
-        template /= np.linalg.norm(template) or 1.0
+        template /= np.linalg.norm(template) or 1.0  # a flat map correlates with nothing
         return self._over_image(self._image, template) / norm
 
     def template(self, pose: tuple[float, float]) -> np.ndarray:
@@ -365,6 +375,7 @@ class _Search:
     def _over_image(self, image: np.ndarray, template: np.ndarray) -> np.ndarray:
         """Return the sum of products of a template with the transformed image at every shift."""
         products = scipy.fft.irfft2(image * scipy.fft.rfft2(template, self._points).conj(), self._points)
+        # only shifts at which the whole map lies within the overview
         ny, nx = (n - m + 1 for n, m in zip(self._size, template.shape, strict=True))
         return products[:ny, :nx]
 
@@ -376,6 +387,7 @@ def _peak(surface: np.ndarray, shape: tuple[int, int]) -> tuple[list[float], lis
     """
     best = np.unravel_index(int(surface.argmax()), surface.shape)
     residual, independent = 1 - surface**2, max(surface.size and np.prod(shape) / _CORRELATED_POINTS, 1.0)
+    # the residual of other places is larger by chance alone, by this much
     limit = residual[best] * (1 + _SIGNIFICANT * 2 / np.sqrt(independent)) + 1e-6
     fitting = np.argwhere((residual <= limit) & (surface > 0))
     shares = [

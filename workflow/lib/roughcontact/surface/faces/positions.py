@@ -75,6 +75,7 @@ def relative_positions(
     placements = []
     for number, rotation in enumerate(rotations):
         turn = cosine_and_sine(rotation)
+        # a stream for each rotation: more of them change no earlier ones
         samples = np.random.default_rng([seed, number]).uniform(-1, 1, (shifts, 2))
         reach = _max_shift(lower, upper, turn, overlap)
         placements += [
@@ -93,10 +94,11 @@ def _max_shift(lower: Face, upper: Face, turn: tuple[float, float], overlap: flo
         # length of the rotated rectangle through its middle
         side = min(along / cosine if cosine else np.inf, across / sine if sine else np.inf)
         face_length = lower.lengths[axis]
+        # the shorter side stays covered to its share
         free = abs(face_length - side) / 2 + (1 - overlap) * min(face_length, side)
-        if upper.periodic:
+        if upper.periodic:  # any shift within half a period
             free = side / 2
-        reach.append(0.0 if lower.shape[axis] == 1 else free)
+        reach.append(0.0 if lower.shape[axis] == 1 else free)  # a profile does not move across itself
     return np.array(reach)
 
 
@@ -107,6 +109,7 @@ def _aligned_shift(
     steps, points = along_axes(upper.step, turn), along_axes(upper.shape, turn)
     if steps is None or points is None or not np.allclose(steps, lower.step, rtol=STEP_TOLERANCE, atol=0):
         return tuple(map(float, shift))
+    # of unlike numbers of points the middles lie half a pixel apart
     odd = [(n - m) % 2 / 2 for n, m in zip(lower.shape, points, strict=True)]
     return tuple(
         float((np.rint(s / d - half) + half) * d) for s, d, half in zip(shift, lower.step, odd, strict=True)

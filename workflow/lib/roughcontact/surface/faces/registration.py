@@ -46,12 +46,14 @@ def registered(later: xr.DataArray, earlier: xr.DataArray) -> Registered:
         for maps that do not show the same place.
     """
     fields = [measured_rectangle(level(height)) for height in (earlier, later)]
+    # the middle of the later map, which a shift up to a quarter keeps within the earlier one
     sides = _TEMPLATE * np.min([side_lengths(field) for field in fields], axis=0)
     middle = np.array([float(fields[1][axis].mean()) for axis in "yx"])
     template = part_around(fields[1], middle, sides)
     middle = np.array([float(template[axis].mean()) for axis in "yx"])
     place, threshold = best_place(template, fields[0]), _MIN_CORRELATION
     if place.uncertainty > MAX_UNCERTAINTY:
+        # grooves fit at several places: then the nearest one counts, if it fits well
         reach = np.array(side_lengths(template)) * (1 + 2 * MAX_UNCERTAINTY)
         place, threshold = best_place(template, part_around(fields[0], middle, reach)), MIN_CORRELATION
     if place.correlation < threshold:
@@ -85,6 +87,7 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
     registrations = {each: registered(maps[each], maps[before]) for each, before in earlier.items()}
     shifts: dict[str, np.ndarray] = {}
     for each in maps:
+        # positions in the map that came first, step by step along the order of time
         shifts[each] = shifts[earlier[each]] + registrations[each].shift if each in earlier else np.zeros(2)
     cuts = {}
     for row, axis in enumerate("yx"):
@@ -94,6 +97,7 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
         step = spacing(height)[row]
         points = min(height.sizes[axis], round((min(last) - max(first)) / step) + 1)
         start = round((max(first) - shifts[name][row] - float(height[axis][0])) / step)
+        # rounding may be off by a pixel at either end
         start = min(max(start, 0), height.sizes[axis] - points)
         cuts[axis] = slice(start, start + points)
     part = height.isel(cuts)

@@ -88,6 +88,7 @@ def _row_means(differences: np.ndarray) -> np.ndarray:
 def _shared_variance(block_means: np.ndarray, *, is_scan: bool) -> tuple[float, Evidence]:
     """Return the variance of the shifts common to the pieces (rows, blocks), and its evidence."""
     rows, blocks = block_means.shape
+    # a taper: long waves would leak into the short ones, where the shifts show
     taper = np.sin(np.pi * (np.arange(rows) + 0.5) / rows) ** 2
     taper /= np.sqrt(np.sum(taper**2))
     waves = np.fft.rfft(block_means * taper[:, None], axis=0)
@@ -98,6 +99,7 @@ def _shared_variance(block_means: np.ndarray, *, is_scan: bool) -> tuple[float, 
 
     def power(distances: range) -> np.ndarray:
         pairs = [(k, k + d) for d in distances for k in range(blocks - d)]
+        # what two pieces of a row share is no roughness, whose waves there are independent
         products = [waves[:, k] * waves[:, partner].conj() for k, partner in pairs]
         return np.asarray(np.mean(products, axis=0).real)
 
@@ -110,6 +112,7 @@ def _shared_variance(block_means: np.ndarray, *, is_scan: bool) -> tuple[float, 
     variance = float(np.mean(distant_power[short] / transfer[short]))
     if variance <= 0 or coherence <= max(_MIN_COHERENCE, _MIN_SIGNIFICANCE / np.sqrt(independent)):
         return 0.0, "none"
+    # at most 2: a common part that is flatter than white says no more
     flatness = variance / max(float(np.mean(distant_power[longer] / transfer[longer])), variance / 2)
     uniformity = variance / max(float(np.mean(adjacent_power[short] / transfer[short])), variance / 2)
     if flatness >= _CLEAR_FLATNESS[is_scan] and uniformity >= _CLEAR_UNIFORMITY[is_scan]:
@@ -128,8 +131,8 @@ def _estimate(second_differences: np.ndarray, variance: float) -> np.ndarray:
 
     rows = second_differences.size
     waves = dct(second_differences, norm="ortho")
-    waves[0] = 0.0
-    transfer = 2 - 2 * np.cos(np.pi * np.arange(rows) / rows)
+    waves[0] = 0.0  # the mean is no shift
+    transfer = 2 - 2 * np.cos(np.pi * np.arange(rows) / rows)  # of second differences, for a cosine series
     waves[1:] /= -transfer[1:]
     power, scatter = _smooth_power(waves[1:] ** 2)
     # a wave is attributed to shifts unless its power is significantly larger
@@ -144,6 +147,7 @@ def _smooth_power(power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     so that the long waves of a surface do not leak into the short ones.
     """
     number = np.arange(1, power.size + 1)
+    # from the frequency over 1.3 to 1.3 times it, seven waves at least
     low = np.maximum(np.minimum(np.floor(number / 1.3), number - 3).astype(int), 1) - 1
     high = np.minimum(np.maximum(np.ceil(number * 1.3), number + 3).astype(int), power.size)
 

@@ -41,6 +41,7 @@ class ProfilesPreparation(MapPreparation):
                 "noise of lines is not white; leave it out: the ± then includes noise and lens",
                 keys=["instrument.correct"],
             )
+        # with the seed 0: the same surface in every run
         surface = surface_from_profiles([levelled])
         # it is periodic without its form, and has no points that were rejected
         surface = surface.assign_attrs(form="none", form_removed="{}", outliers_rejected=0)

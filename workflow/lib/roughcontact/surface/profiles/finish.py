@@ -40,9 +40,11 @@ def fit_statistics(fit: ProfileFit, rng: np.random.Generator | None = None) -> F
     pieces, the stretch with those of both directions.
     """
     spectrum, stretch, (across, *along) = fit.best, fit.stretch, [pieces for pieces, _ in fit.directions]
+    # heights within a correlation length say the same
     independent = across.size / (2 * correlation_length(across))  # one height in two correlation lengths
     if rng is not None:
         across, change = _redrawn(across, rng)
+        # by chance the power of a band is a chi-square with its degrees of freedom
         chance = rng.gamma(fit.freedom / 2) / (fit.freedom / 2)
         spectrum = fit.spectrum(spectrum.fitted * chance * change)
         for pieces in along:
@@ -51,6 +53,7 @@ def fit_statistics(fit: ProfileFit, rng: np.random.Generator | None = None) -> F
 
 
 def _redrawn(profiles: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, float]:
+    # in blocks, within which the waves stay as they are
     """Return pieces (number, points; m) drawn with replacement, their mean square slope over that of all."""
     length = profiles.shape[1] // _BLOCKS
     blocks = profiles[:, : length * _BLOCKS].reshape(-1, length)
@@ -69,6 +72,7 @@ def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) ->
     """Return the heights (points, points; m) of a periodic surface of `ratio` times the profiles' pitch."""
     shape, full, stretch = (points, points), points**2, finish.stretch
     fx, fy = np.fft.rfftfreq(points), np.fft.fftfreq(points)[:, None]
+    # stretched along y, with the same variance
     amplitude = full * np.sqrt(stretch * finish.spectrum.at(np.hypot(fx, fy * stretch) / ratio))
     amplitude /= points * ratio
     weights = halfplane_weights(shape) * (amplitude / full) ** 2
@@ -82,15 +86,17 @@ def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) ->
     steps = np.array(np.broadcast_arrays(*(np.exp(2j * np.pi * f) - 1 for f in (fx, fy))))
     powers = np.abs(steps) ** 2
     slopes = np.sqrt(np.sum(weights * powers, axis=(1, 2)))
-    square = np.maximum(powers.sum(axis=0), 1e-300)
+    square = np.maximum(powers.sum(axis=0), 1e-300)  # the mean has no step
     ranks = (np.arange(full) + 0.5) / full
     heights = np.interp(scipy.special.ndtri(ranks), _SCORES, finish.heights)
+    # the rms height is that of the waves which fit into the surface
     heights = (heights - heights.mean()) * (rms / heights.std())
     edges = heights[np.arange(1, _CLASSES) * full // _CLASSES]
 
     def with_amplitudes(waves: np.ndarray) -> np.ndarray:
         return waves * (amplitude / np.maximum(np.abs(waves), 1e-300))
 
+    # amplitudes and ranks cannot both be met at once: in turns
     waves = with_amplitudes(np.fft.rfft2(rng.standard_normal(shape)))
     for _ in range(_TURNS):
         candidate = _impose_ranks(np.fft.irfft2(waves, s=shape), heights)
@@ -101,6 +107,7 @@ def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) ->
             for number, quantiles in enumerate(finish.slopes):
                 inside = group == number
                 rise[inside] = _impose_ranks(rise[inside], slope * quantiles)
+        # the field whose steps are nearest to both: a Poisson equation, wave by wave
         cross_spectrum = np.sum(np.fft.rfft2(rises) * steps.conj(), axis=0)
         waves = with_amplitudes(cross_spectrum / square)
     return np.fft.irfft2(waves, s=shape)
@@ -123,8 +130,10 @@ def _heights(profiles: np.ndarray, independent: float) -> np.ndarray:
     values = np.sort(profiles, axis=None)
     scores = scipy.special.ndtri((np.arange(values.size) + 0.5) / values.size)
     deviation = (values - values.mean()) / values.std() - scores
+    # a small sample deviates from a normal distribution by chance: that share is left out
     share = max(0.0, 1 - (_CHANCE / (independent * np.mean(deviation**2))) ** 4)
     quantiles = _SCORES + np.interp(_SCORES, scores, share * deviation)
+    # quantiles of fewer than half a height are not seen
     limit = -scipy.special.ndtri(min(0.2, _TAIL / independent))
     for side in (-1, 1):
         u = side * _SCORES
@@ -132,7 +141,7 @@ def _heights(profiles: np.ndarray, independent: float) -> np.ndarray:
         slope = max(np.polyfit(_SCORES[tail], quantiles[tail], 1)[0], 0.0)
         edge = tail[-1 if side > 0 else 0]
         quantiles[u > limit] = quantiles[edge] + slope * (_SCORES[u > limit] - _SCORES[edge])
-    return np.maximum.accumulate(quantiles)
+    return np.maximum.accumulate(quantiles)  # a quantile never falls
 
 
 def _slopes(profiles: np.ndarray) -> np.ndarray:
@@ -140,5 +149,6 @@ def _slopes(profiles: np.ndarray) -> np.ndarray:
     steps = np.diff(profiles).ravel()
     order = np.argsort((profiles[:, 1:] + profiles[:, :-1]).ravel(), kind="stable")
     groups = (steps[chosen] for chosen in np.array_split(order, _CLASSES))
+    # in both directions: a profile may be read backwards
     quantiles = [np.quantile(np.concatenate([group, -group]), _SLOPE_RANKS) for group in groups]
     return np.array(quantiles) / steps.std()

@@ -57,15 +57,19 @@ class ProfileFit:
         """Take levelled profiles, from which polynomials of an order were removed."""
         self.directions, (along, pitch_along) = directions, directions[-1]
         self.pieces, self.pitch = profiles, pitch = directions[0]
+        # slopes along a lay are gentler by the ratio of the waves' lengths
         self.stretch = float(np.diff(profiles).std() / np.diff(along).std() * (pitch_along / pitch))
         number, points = profiles.shape
+        # the polynomials that levelling has removed, as an orthonormal basis
         self._basis = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, points), order))[0]
         taper = np.sin(np.pi * (np.arange(points) + 0.5) / points) ** 2
         self._taper = taper / np.sqrt(np.mean(taper**2))
+        # with the mean square of the taper: the variance is kept
         power = np.abs(np.fft.rfft(profiles * self._taper, axis=1)) ** 2 / points
         waves = points // 2 + 1
         edges = np.geomspace(1, waves, int(_BANDS_PER_DECADE * np.log10(waves)) + 1)
         edges = np.unique(edges.round().astype(int))
+        # the mean and what is below the first edge are left out
         bands = np.split(np.arange(waves), edges)[1:-1]
         size = np.diff(edges)
         self.band = np.sqrt(edges[:-1] * (edges[1:] - 1)) / points
@@ -75,6 +79,7 @@ class ProfileFit:
         squares = np.array([np.mean(np.diff(profiles) ** 2), np.mean(profiles**2)])  # of steps and heights
         shares = [size * self.measured * self.band**2, size * self.measured]
         counts = [share.sum() ** 2 / np.sum(share**2 / freedom) for share in shares]
+        # a Hann taper correlates neighbouring waves, of which a band has that many fewer
         self.freedom = np.append(freedom / np.minimum(_CORRELATED, 1 + 0.44 * (size - 1)), counts)
         lowest = 1 / (_LONGEST * points)
         nodes = int(_HATS_PER_DECADE * np.log10(_HIGHEST / lowest)) + 2
@@ -86,12 +91,14 @@ class ProfileFit:
         floor = _NEGLIGIBLE * np.max(self.measured * self.band**2) / self.band**2
         self._floor = np.append(floor, _NEGLIGIBLE * squares)
         self.measured = np.append(self.measured, squares)
+        # the fit is relative to a smooth reference, since densities range over many powers of ten
         for _ in range(_REFERENCES):
             self._reference = np.exp(scipy.ndimage.gaussian_filter1d(level, _SMOOTH, mode="nearest"))
             self._matrix = lines * self._reference
             density = self._solve(self.measured, 1.0) * self._reference
             weakest = _NEGLIGIBLE * np.max(density * self._frequency**4) / self._frequency**4
             level = np.log(np.maximum(density, weakest))
+        # by cross-validation: as smooth as bands that were left out allow
         self._damping = min(_DAMPING, key=self._deviance)
         self.best = self.spectrum(self.measured)
 
@@ -110,6 +117,7 @@ class ProfileFit:
         position = np.maximum(np.log(f / self._frequency[0]) / step, 0.0)
         hats = np.maximum(0.0, 1 - np.abs(position[..., None] - np.arange(self._frequency.size)))
         density = f * np.maximum(f, self._frequency[0]) ** -3.0
+        # a profile crosses waves of all directions: the line integral of the isotropic spectrum
         across = 2 * np.trapezoid(density[..., None] * hats, t[..., None], axis=1)
         # times q^2 the integral is flat enough to be interpolated
         smooth = scipy.interpolate.interp1d(np.log(nodes), across * nodes[:, None] ** 2, axis=0)
@@ -121,7 +129,7 @@ class ProfileFit:
         sums = self._taper * np.exp(-2j * np.pi / points * waves[:, None] * np.arange(points))
         sums -= (sums @ self._basis) @ self._basis.T  # of the levelled profile
         power = np.mean(np.abs(np.fft.fft(sums, 2 * points)) ** 2, axis=0)
-        power[1:points] += power[:points:-1]
+        power[1:points] += power[:points:-1]  # both signs of a frequency
         return power[: points + 1] / (2 * points**2)
 
     def _squares(self, points: int) -> np.ndarray:
@@ -135,13 +143,16 @@ class ProfileFit:
     def _solve(self, values: np.ndarray, damping: float, fold: int | None = None) -> np.ndarray:
         """Return the factors a (hats,) of measured values (bands + 2,), perhaps with a fold left out."""
         used = self._fold != fold
+        # second differences of the factors: smooth where the profiles say nothing
         smooth = np.sqrt(damping) * np.diff(np.eye(self._frequency.size), 2, axis=0)
         model = values
         for _ in range(_WEIGHTINGS):
+            # by the variance that chance gives a band, which goes with its power
             weight = 1 / np.hypot(model / np.sqrt(self.freedom / 2), self._floor)
             rows = np.vstack([(self._matrix * weight[:, None])[used], smooth])
             right = np.concatenate([(values * weight)[used], np.zeros(len(smooth))])
             factors, _ = scipy.optimize.nnls(rows, right)
+            # half a step in logarithms: whole ones alternate
             model = np.sqrt(model * np.maximum(self._matrix @ factors, 1e-2 * model))
         return factors
 
