@@ -265,7 +265,7 @@ def elasticity(
         if contact_modulus is None:
             raise SettingsError("neither contact_modulus nor bodies given; give one of them")
         modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
-        return Elasticity(modulus, influence, hardness=limit)  # E* alone says nothing of layers
+        return Elasticity(modulus, influence, hardness=limit)  # E* alone stands for half-spaces
     pair = check_bodies(bodies)
     modulus = modulus_of(pair)
     if contact_modulus is not None:

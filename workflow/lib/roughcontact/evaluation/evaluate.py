@@ -118,7 +118,7 @@ def evaluate(
     """
     contact, file = _sort_options(contact, options)
     if isinstance(source, Sequence) and not isinstance(source, str):
-        source = stacked(source)
+        source = stacked(source)  # profiles of one surface
     elif not isinstance(source, str | PathLike):
         warn_of_unit(check_labelled(source), stacklevel=3)
         source = labelled_in_si(source)
@@ -133,6 +133,7 @@ def evaluate(
     }
     if file and isinstance(source, xr.DataArray):
         raise SettingsError(f"{', '.join(file)}: of a file, the source is a map; read it with them")
+    # arrays and units are settled before the settings are checked
     given_sections = {section: listed(values) for section, values in sections.items() if values is not None}
     full = resolve(given_sections)[""]
     if full["contact"]["unload"] is not None:
@@ -161,6 +162,7 @@ def _sort_options(
             f"give it as {sections[0]}={{{key!r}: ...}}" if sections else nearest(key, fields_at(["contact"]))
         )
         raise SettingsError(f"{key}: is no key of the section contact, {way}", keys=[key])
+    # one key at two places would hide which of them counts
     if twice := [key for key in contact_keys if key in (contact or {})]:
         raise SettingsError(f"{twice[0]}: is given twice, also in contact={{...}}; leave one out", keys=twice)
     return {**(contact or {}), **contact_keys} if contact_keys else contact, file
@@ -236,12 +238,14 @@ def contact_table(
         text = "each time has a table of its own; give the modulus after one as youngs_modulus"
         raise SettingsError(f"contact_table: the bodies creep, and {text}", keys=["contact.time"])
     if not given_settings.keys() & {"mean_pressure", "relative_pressure", "force"}:
+        # planned for the map: from the first touch to nearly closed, or to the hardness
         scale = solver["contact_modulus"] * rms_gradient(window)
         limit = _BELOW_HARDNESS * (solver["hardness"] or np.inf)
         heaviest = _HEAVIEST if _HEAVIEST * scale < limit else limit / scale
         given_settings["relative_pressure"] = (heaviest * np.geomspace(_LIGHTEST, 1, loads)).tolist()
     statistics = evaluate(
         window,
+        # the window is solved as it is given
         level={"form": "none", "line_alignment": "none", "outlier_threshold": None},
         window={"method": "raw"},
         contact=given_settings,
@@ -258,6 +262,7 @@ def tabulate_by_gap(statistics: xr.Dataset) -> xr.Dataset:
         raise SettingsError(
             "the statistics are to be of one surface with flow factors (statistics.flow: always)"
         )
+    # from the first touch to the closed gap, as codes of lubrication read it
     statistics = statistics.sortby("mean_gap", ascending=False)
     gap, sigma = statistics["mean_gap"].values, float(statistics["rms_height"])
     columns = {"mean_pressure": _interpolate_to_gaps(statistics, "mean_pressure", at_contact=np.nan, far=0.0)}
@@ -295,10 +300,12 @@ def _interpolate_to_gaps(statistics: xr.Dataset, name: str, *, at_contact: float
     solved the quantity is that of a closed gap, or of faces far apart.
     """
     values, (gap, lower, upper) = statistics[name].values, _value_and_bounds(statistics, "mean_gap")
+    # without an interval of the gap nothing is interpolated
     if not (lower > 0).any():
         return np.array([values, *np.full((2, gap.size), np.nan)])
     lower, upper = np.nan_to_num(lower, nan=0.0), np.nan_to_num(upper, nan=np.inf)
     possible = np.where((lower <= gap[:, None]) & (gap[:, None] <= upper), values, values[:, None])
+    # in logarithms, in which quantities of a contact are nearly straight over the gap
     heavier, lighter = (
         np.interp(np.log(gap), np.log(bound[bound > 0])[::-1], values[bound > 0][::-1], at_contact, far)
         for bound in (upper, lower)

@@ -74,11 +74,12 @@ def run_chain(
     progress(0, None, "levelling")
     kind = kind_of(height, settings)
     level_result = kind.level(height, settings["level"])
+    # levelled as the map is, so that forms count as little in both
     located = [kind.overview(level_result, field, settings["level"], place) for field, place in overviews]
     progress(0, None, "periodic window")
     window = kind.window(level_result, settings)
     solver = kind.solver_arguments(window, settings, threads=threads)
-    loads = solver[kind.facts.load]
+    loads = solver[kind.facts.load]  # planned ones too, which only the solved map tells
     progress(0, len(loads), "solving")
     origin: dict[str, Any] = {
         "settings": {key: settings[key] for key in stage_settings(settings, "statistics")},
@@ -89,6 +90,7 @@ def run_chain(
     if fields is None:
         result = solve_and_evaluate(window, settings, with_progress)
     else:
+        # maps of many loads do not fit into memory together: each is written when it is solved
         with written_load_by_load(fields, loads, window) as file:
             result = solve_and_evaluate(window, settings, with_progress, store=file.write_maps)
             solution = result.solution.assign(height=window)
@@ -136,13 +138,13 @@ def solve_and_evaluate(
 
     def take(load_dataset: xr.Dataset) -> xr.Dataset:
         """Keep and count one load, and remove it from the solution."""
-        if store is not None:
+        if store is not None:  # the maps first: counting may use their memory
             store(load_dataset)
         load = float(load_dataset["mean_pressure"][0])
         statistics[load] = count(load_dataset)
         if has_budget:
             inputs[load] = budget_inputs(load_dataset, statistics[load])
-        return xr.Dataset()
+        return xr.Dataset()  # nothing of the solution is kept but its numbers
 
     solution = solve_contact(window, **solver, reduce=take)
     loads = list(map(float, solution["mean_pressure"]))
@@ -179,11 +181,13 @@ def complete_statistics(
     kind, asked = kind_of(window, settings), settings["statistics"]
     # what a requirement is of, without what takes longer than the contact
     of_requirement = {**asked, "stress": "never", "friction": None, "work_of_adhesion": None}
+    # flow takes longer than the contact: only a leak needs it
     if not (asked["requirement"] or {}).get("leak"):
         of_requirement |= {"flow": "never", "seal": None}
 
     def at_roughness(factor: float, load: float) -> xr.Dataset:
         """Return the statistics of the window with heights that are larger by a factor."""
+        # no ± of its own: a search calls this many times
         plain = {**settings, "statistics": of_requirement, "uncertainty": {"sources": []}}
         return solve_and_evaluate(
             window.copy(data=window.values * factor), plain, {**solver, kind.facts.load: [load]}
@@ -223,6 +227,7 @@ def _properties(window: xr.DataArray, settings: Settings) -> dict[str, Any]:
     if aperture := instrument.get("numerical_aperture"):
         numbers["lateral_period_limit"] = lateral_period_limit(aperture, instrument.get("wavelength"))
     properties: dict[str, Any] = {**Instrument(**numbers).attributes()}
+    # no reader knows loads that nobody stated
     if not any(settings["contact"].get(key) for key in STATED_LOADS):
         properties["loads"] = "planned"  # or those of a target
     properties["periodisation"] = window.attrs.get("periodisation", "none")

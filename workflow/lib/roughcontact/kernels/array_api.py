@@ -110,7 +110,7 @@ def measure(
     `previous` are pressure and separation before the step.
     """
     xp = namespace(pressure)
-    displacement = xp.asarray(separation, copy=True)  # the pass works in place, and its energy needs both
+    displacement = xp.asarray(separation, copy=True)  # overwritten below
     separation -= (heights - reference) / unit
     free = (pressure > 0) & (pressure < cap)
     change = pressure - start

@@ -87,6 +87,7 @@ class Axis:
         values = np.asarray(values, dtype=float)
         if not self.log:
             return (values - self.low) / (self.high - self.low)
+        # NaN beyond a logarithm, without a warning
         logarithm = np.log10(values, where=values > 0, out=np.full(values.shape, np.nan))
         low, high = math.log10(self.low), math.log10(self.high)
         return (logarithm - low) / (high - low)
@@ -111,8 +112,10 @@ class Axis:
                 return written, interior
         raw = (high - low) / max_count
         power = 10.0 ** math.floor(math.log10(raw))
+        # steps that people count in
         step = next(s * power for s in (1, 2, 2.5, 5, 10) if s * power >= raw * (1 - 1e-9))
         lowest, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+        # 12 digits: multiples of 0.1 are written as such
         return [float(f"{k * step:.12g}") for k in range(lowest, last + 1)], []
 
     def reading(self) -> list[Any]:
@@ -148,6 +151,7 @@ def _decades(low: float, high: float, max_count: int) -> tuple[list[float], list
         if low * (1 - 1e-9) <= (value := float(f"{digit}e{power}")) <= high * (1 + 1e-9)
     ]
     powers = [power for power, digit, _ in inside if digit == 1]
+    # of many powers of ten only every second or third is written
     stride = -(-len(powers) // max_count) if powers else 1
     digits = (1,) if len(powers) > 2 else (1, 2, 5)
     written = [value for power, digit, value in inside if digit in digits and power % stride == 0]
@@ -165,7 +169,7 @@ def tick_text(value: float) -> str:
     """
     if value == 0 or 1e-4 < abs(value) < 1e6:
         return f"{value:g}".replace("-", "−")
-    return number(value, digits=1).removeprefix("1×")
+    return number(value, digits=1).removeprefix("1×")  # 1×10⁶ is written 10⁶
 
 
 @dataclass
@@ -187,6 +191,7 @@ class Chart:
     @property
     def area(self) -> Rectangle:
         """The rectangle (left, top, width, height) between the axes."""
+        # room for a second axis and a title
         above = 16.0 + (12 + 2 * self.letters) * (self.top is not None) + 16 * bool(self.title)
         x0, top, right, bottom = self.margins or (6 * self.letters, above, 18.0, 3.5 * self.letters)
         return x0, top, self.size[0] - x0 - right, self.size[1] - top - bottom
@@ -230,7 +235,7 @@ class Chart:
             f"M{a:.1f} {b:.1f}V{c:.1f}M{a - 3:.1f} {b:.1f}h6"
             + (f"M{a - 4:.1f} 8l4-7 4 7" if arrow else f"M{a - 3:.1f} {c:.1f}h6")
             for a, b, c, arrow in zip(centre, low, high, open_ended, strict=True)
-            if np.isfinite([a, b, c]).all()
+            if np.isfinite([a, b, c]).all()  # a bar without a value has no place
         )
         self.note("bars", x=x, lower=lower, upper=upper, colour=colour, path=path)
 
@@ -264,6 +269,7 @@ class Chart:
         box, bottom = (x0 + width + 10, top, 12.0, height), top + height
         tips = (bottom, bottom + 9, colours[0]), (top, top - 9, colours[-1])
         ticks = self._ticks(axis, "right", box, grid=False)
+        # arrows where values lie beyond the colours
         self.bar = {"area": box, "colours": colours, "tips": [*compress(tips, arrows)], "ticks": ticks}
 
     def source(self) -> str:
@@ -284,7 +290,7 @@ class Chart:
             "reading": reading.replace("'", "&#39;"),
         }
         svg = template("chart.svg").render(vars(self) | variables)
-        return data_uri(svg.replace("\n", ""))
+        return data_uri(svg.replace("\n", ""))  # a line break would be encoded, three bytes each
 
     def note(self, method: str, **arguments: Any) -> None:
         """Take note of what is drawn: for the template, and for another program."""
@@ -300,9 +306,11 @@ class Chart:
         across, top = self._pixels(x, y)
         available = np.isfinite(across) & np.isfinite(top)
         fragments = []
+        # runs of points with a value: a line is interrupted at missing ones
         for run in np.split(np.arange(across.size), np.nonzero(np.diff(available))[0] + 1):
             if run.size and available[run[0]]:
                 points = np.round(np.column_stack([across[run], top[run]])[_extremes(top[run])], 1)
+                # coordinates far outside take room and overflow in some viewers
                 points = np.clip(points, -9999, 9999)
                 fragments.append("M" + "L".join(f"{a:g} {b:g}" for a, b in points))
         return "".join(fragments)
@@ -335,6 +343,7 @@ class Chart:
         else:
             anchor, across = ("end", -8.0) if side == "left" else ("start", 8.0)
             points = [(edge + across, position(value) + letters / 3) for value in written]
+            # the label of the axis beyond the longest number
             longest = max(map(len, texts), default=1) * _DIGIT_WIDTH * letters
             far = edge - 18 - longest if side == "left" else edge + 14 + letters + longest
             half = len(axis.label) * _LETTER_WIDTH * letters / 2  # it must not be cut off above a low picture
@@ -356,12 +365,14 @@ class Chart:
         if not items:
             return [], 0.0
         across, letter = self.size[0] - 24, _LETTER_WIDTH * self.letters
+        # narrow letters count half
         longest = 44 + letter / 2 * max(len(_NARROW.sub("", s["label"]) + s["label"]) for _, s in items)
         columns = min(max(int(across / longest), 1), _MAX_COLUMNS)
         room = int((across - 38) / letter)
         lines = []
         for index, (kind, step) in enumerate(items):
             row, column = divmod(index, columns)
+            # a label never runs into the next column
             label = step["label"] if len(step["label"]) <= room else f"{step['label'][: room - 1]}…"
             point = round(12 + across / columns * column, 1), self.size[1] + 9 + 1.5 * self.letters * row
             lines.append((*point, label, kind, step))
@@ -388,6 +399,7 @@ def _extremes(values: np.ndarray) -> np.ndarray:
     """Return the places of the values that a line is drawn through: all, or the extremes of each few."""
     if values.size <= _MAX_POINTS:
         return np.arange(values.size)
+    # two points for each few: the highest and the lowest keep every spike
     stride = -(-2 * values.size // _MAX_POINTS)
     complete = values.size // stride * stride
     rows = values[:complete].reshape(-1, stride)

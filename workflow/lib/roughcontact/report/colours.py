@@ -55,12 +55,13 @@ def coloured(
     level = values - limits[0]
     level /= span if span > 0 else 1.0  # in place: large maps leave no room for more
     np.clip(level, 0.0, 1.0, out=level)
-    level[missing] = 0.0
+    level[missing] = 0.0  # any valid colour: the palette has one for missing points
     together = max(math.ceil(math.sqrt(values.size / POINTS)), math.ceil(max(values.shape) / _LONGEST))
     share = missing
     # beyond two million points each of the picture is the mean of several, with its part of bad ones
     if together > 1:
         level, share = _averaged(level, missing, together)
+    # colours of a byte, shared by levels and by shares of missing points
     steps = _SHARES if together > 1 and missing.any() else 2
     of_colours = 256 // steps if missing.any() else 256
     index = np.rint(level * (of_colours - 1)).astype(np.uint8)
@@ -80,6 +81,7 @@ def _png(index: np.ndarray, palette: bytes) -> bytes:
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
     height, width = index.shape
+    # filter "up" of PNG (2), row by row
     rows = np.diff(index, axis=0, prepend=np.uint8(0))
     components = [
         (b"IHDR", struct.pack(">2I5B", width, height, 8, 3, 0, 0, 0)),
@@ -98,7 +100,7 @@ def _averaged(level: np.ndarray, missing: np.ndarray, together: int) -> tuple[np
         for source in (level, missing)
     ]
     height, width = (np.diff([*starts, n]) for starts, n in zip((rows, columns), level.shape, strict=True))
-    points = height[:, None] * width
+    points = height[:, None] * width  # at the border fewer points make one
     return sums[0] / np.maximum(points - sums[1], 1), sums[1] / points
 
 
@@ -106,6 +108,7 @@ def _palette(name: str, of_colours: int, bad: str, steps: int) -> bytes:
     """Return so many colours of a scale, and after them their blends with the colour of bad points."""
     *anchors, missing_colour = (list(bytes.fromhex(colour[1:])) for colour in [*colour_scale(name), bad])
     indices = np.linspace(0, len(anchors) - 1, of_colours)
+    # linear between the anchors, channel by channel
     channels = zip(*anchors, strict=True)
     scale = np.column_stack([np.interp(indices, np.arange(len(anchors)), channel) for channel in channels])
     shares = np.linspace(0, 1, steps)[:, None, None] if steps > 1 else np.zeros((1, 1, 1))

@@ -56,6 +56,7 @@ def height_map(
     if rectangle is not None:
         x, y, width, depth = rectangle
         outline = np.array([x, x + width, x + width, x, x]), np.array([y, y, y + depth, y + depth, y])
+    # heights relative to the mean: the scale of a file far from zero says nothing
     values = height.values - np.nanmean(height.values)
     # a few spikes must not take up the colour scale
     lowest, highest = (float(limit) for limit in np.nanpercentile(values, [0.1, 99.9]))
@@ -95,6 +96,7 @@ def pressure_map(
     highest = common_limits([(pressure, pressure)])[0] if highest is None else highest
     outline = None
     if ellipse:
+        # the ellipse in which smooth bodies would touch
         angle, (ly, lx) = np.linspace(0, 2 * np.pi, 181), side_lengths(height)
         outline = lx / 2 + ellipse["axis_x"] * np.cos(angle), ly / 2 + ellipse["axis_y"] * np.sin(angle)
     values = np.where(pressure > 0, pressure, np.nan)
@@ -177,11 +179,13 @@ def _map(
         Axis(f"x ({of_lengths})", 0.0, lx),
         Axis(f"y ({of_lengths})", 0.0, ly),
         values * unit.factor,
+        # a flat map has no range, and a colour bar needs one
         bar=Axis(f"{field.label} ({unit.symbol})", low, high if high > low else low + 1e-6 * unit.factor),
         extend=(bool((values < limits[0]).any()), bool((values > limits[1]).any())),
     )
     if outline is not None:
         x, y = (coordinate * factor for coordinate in outline)
+        # white below red: visible on every colour
         for colour, line in (("#ffffff", 4.0), ("#d00000", 2.0)):
             chart.line(x, y, colour=colour, width=line)
     return chart
@@ -197,10 +201,11 @@ def _profile(
 ) -> Chart:
     """Draw one or more lines (values, name, colour) along a profile, gaps where values are missing."""
     axis = "x" if height.sizes["x"] > 1 else "y"
-    position = height[axis].values - height[axis].values[0]
+    position = height[axis].values - height[axis].values[0]  # from the first point, as on the map
     factor, of_lengths = along or length_unit(max(side_lengths(height)))
     values_of_all = np.concatenate([values for values, *_ in lines])
     low, high = (float(limit) * unit.factor for limit in (np.nanmin(values_of_all), np.nanmax(values_of_all)))
+    # some room above and below, also for a flat profile
     room = (high - low) * 0.06 or 1e-6 * unit.factor
     chart = Chart(
         Axis(f"{axis} ({of_lengths})", 0.0, float(position[-1]) * factor),
