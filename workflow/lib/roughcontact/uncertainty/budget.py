@@ -43,15 +43,13 @@ from roughcontact.uncertainty.scales import AREA, PEAK, PRESSURE, to_scale
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, magnification_curve, next_octave
 
-# settings of the contact that are uncertainties -> the input whose they are
-MATERIAL_UNCERTAINTIES = {
-    name_of_range(name): name for name in ("contact_modulus", "mean_pressure", HARDNESS)
+# input of the contact that may be uncertain -> the source that it is a part of
+OF_MATERIAL: dict[str, UncertaintySource] = {
+    "contact_modulus": "material",
+    "mean_pressure": "material",
+    HARDNESS: "hardness",
 }
-# source -> the inputs of the material that it is made of
-OF_MATERIAL: dict[UncertaintySource, tuple[str, ...]] = {
-    "material": ("contact_modulus", "mean_pressure"),
-    "hardness": (HARDNESS,),
-}
+MATERIAL_UNCERTAINTIES = {name_of_range(name): name for name in OF_MATERIAL}
 
 
 @as_si
@@ -175,12 +173,8 @@ def error_budget(
         attrs = sample_attributes(scatter, levelled)
         columns |= _columns_of_members(result, scatter)
     instrument = stated_instrument(levelled, settings.get("instrument"))
-    stated_sources = [source for source in OF_MATERIAL if source in sources]
-    ranges = {
-        key: settings["contact"].get(name_of_range(key))
-        for source in stated_sources
-        for key in OF_MATERIAL[source]
-    }
+    stated = {key: source for key, source in OF_MATERIAL.items() if source in sources}
+    ranges = {key: settings["contact"].get(name_of_range(key)) for key in stated}
     ranges |= instrument if "instrument" in sources else {}
     hardness = ends(result.hardness, ranges.get(HARDNESS))
     sensitivities, of_inputs = input_uncertainty(result, solved, ranges)
@@ -191,9 +185,8 @@ def error_budget(
         if hardness[0] < hardness[1]
     }
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
-    components |= {
-        source: sum_of_causes(of_inputs[key] for key in OF_MATERIAL[source]) for source in stated_sources
-    }
+    for source in dict.fromkeys(stated.values()):
+        components[source] = sum_of_causes(of_inputs[key] for key in stated if stated[key] == source)
     if "instrument" in sources:
         as_measured = (
             periodic_window(levelled, **{**settings["window"], "correct_for": None})

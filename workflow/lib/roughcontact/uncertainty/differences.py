@@ -272,7 +272,6 @@ def _compare_two_maps(first: xr.Dataset, second: xr.Dataset, *, of_place: bool =
         towards_none = np.where(difference > 0, *half_widths) / student(np.array(np.inf))
         rows[name] = _ratios(name, values, widths, correlations, scatter=zeros)
         rows[name]["p_value"] = p_value(difference, towards_none, zeros + np.inf)
-        rows[name]["largest_source"] = _largest_source(widths, correlations)
     table = _table(rows, maps[0]["mean_pressure"].values)
     # nothing is known of how the errors at two loads go together
     return _Compared(table, [np.eye(loads)] * len(rows), of_place=of_place)
@@ -336,7 +335,6 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
             "p_value": p_value(difference, error, freedom),
             "spread": np.sqrt(np.mean([effects.error**2 * effects.units for effects in contrast], axis=0)),
             "shared": np.maximum(*_unshared_half_widths(shared, correlation)),
-            "largest_source": _largest_source(shared, correlation),
             "mean": means[0],
         }
         units = min(effects.units for effects in contrast)
@@ -413,8 +411,8 @@ def _what_decides(comparison: _Compared, index: tuple[int, ...], relevant: float
 
 def _names(first: xr.Dataset, second: xr.Dataset) -> list[str]:
     """Return the quantities of both that have ratios."""
-    names = headline_names(first)
-    return [name for name in names if name in headline_names(second) and name not in CONSTRICTIONS]
+    shared = {*headline_names(second)} - {*CONSTRICTIONS}
+    return [name for name in headline_names(first) if name in shared]
 
 
 def _scaled_numbers(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -473,12 +471,6 @@ def _unshared_half_widths(both: Sequence[np.ndarray], correlation: np.ndarray) -
     return widths
 
 
-def _largest_source(both: Sequence[np.ndarray], correlation: np.ndarray) -> np.ndarray:
-    """Return the index (load,) of the source with the largest part in a difference."""
-    by_source = _unshared_half_widths([widths[:, :, None] for widths in both], correlation[..., None])
-    return np.nan_to_num(np.maximum(*by_source), nan=0.0).argmax(axis=1)
-
-
 def _difference(effects: Sequence[Effects]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the difference of two groups, or the mean change of pairs, its standard error and freedom."""
     if len(effects) == 2:
@@ -495,9 +487,10 @@ def _ratios(
     *,
     scatter: np.ndarray,
 ) -> dict[str, np.ndarray]:
-    """Return ratio and both ends of its interval (load,), from two values and their components on the scale.
+    """Return ratio, both ends of its interval, and its largest source, from two values with their components.
 
-    `scatter` is the half-width (load,) of the difference of logarithms by the scatter of the maps.
+    All are (load,), and those that are given on the scale; `scatter` is the half-width of the difference of
+    logarithms by the scatter of the maps.
     """
     mean, second_mean = (_logarithm(name, number) for number in values)
     # an area near the whole moves less than its scale: what both share changes their ratio
@@ -510,7 +503,9 @@ def _ratios(
     with np.errstate(invalid="ignore", over="ignore"):  # of closed gaps and unbounded ends, NaN below
         bounds = difference, difference - below, difference + above
         ratios = np.exp(mean + np.array(bounds)) / np.exp(mean)
-    return dict(zip(_RATIOS, np.where(np.isfinite(ratios), ratios, np.nan), strict=True))
+    row = dict(zip(_RATIOS, np.where(np.isfinite(ratios), ratios, np.nan), strict=True))
+    by_source = _unshared_half_widths([sides[:, :, None] for sides in widths], correlation[..., None])
+    return row | {"largest_source": np.nan_to_num(np.maximum(*by_source), nan=0.0).argmax(axis=1)}
 
 
 def _logarithm(name: str, values: np.ndarray) -> np.ndarray:

@@ -69,7 +69,9 @@ def whole_contact(
     inputs |= {name: contact.get(name) for name in ("contact_modulus", HARDNESS)}
     smooth, at_places = _places(inputs, radius, contact)
     curve = solve_contact(window, **at_places, reduce=budget_inputs)
-    of_map = [source for source in add_correction_source(sources, window) if source not in OF_MATERIAL]
+    of_map = [
+        source for source in add_correction_source(sources, window) if source not in OF_MATERIAL.values()
+    ]
     budget = error_budget(
         levelled_map, window, {**settings, "contact": at_places}, sources=of_map, solved=curve, **options
     )
@@ -84,10 +86,10 @@ def whole_contact(
     above, solution = _whole(upper, smooth), _whole({name: curve[name].values for name in _OF_MAP}, smooth)
     by_input: list[list[tuple[np.ndarray, Values]]] = []  # both ends of each input that is uncertain
     ranges = {name: settings["contact"].get(setting) for setting, name in MATERIAL_UNCERTAINTIES.items()}
-    for name in (name for source, names in OF_MATERIAL.items() if source in sources for name in names):
-        if width := ranges[name]:
+    for name, source in OF_MATERIAL.items():
+        if source in sources and ranges[name]:
             by_input.append([])
-            for factor in ends(1.0, width):
+            for factor in ends(1.0, ranges[name]):
                 changed = inputs | {name: factor * np.asarray(inputs[name])}
                 variation, loads = _places(changed, radius, contact | {HARDNESS: changed[HARDNESS]})
                 results = solve_member(window, loads, names=_OF_MAP, tolerance=contact["tolerance"])
