@@ -216,6 +216,9 @@ def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, word
         ["Scan size (HxW): 2 x 5 µm", "Resolution: 10 x 8"],
         ["Scan area 5 µm wide, 2 µm high"],
         ["Scanned area: 5 µm wide, 2 µm high"],
+        ["Pixel x: 0.5 µm", "Pixel y: 0.25 µm"],
+        ["Pixel x: 10", "Pixel y: 8", "Pixel width: 0.5 µm", "Pixel height: 0.25 µm"],
+        ['"Pixel x","0.5 µm"', '"Pixel y","0.25 µm"'],
         ["Pixel spacing: 0.5/0.25 µm (x/y)"],
         ["Pixel spacing: 0.25/0.5 µm (y/x)"],
         ["Hauteur x largeur: 2 x 5 µm"],
@@ -261,6 +264,11 @@ def test_statements_that_agree_are_used(read, lines):
 @pytest.mark.parametrize("separator", [" ", ",", ";", "\t"])
 def test_a_line_gives_the_units_of_the_axes(read, line, separator):
     holds_nm(read(f"{line}\n{cells(points(ONE, 0.5, 0.25), separator)}"), ONE)
+
+
+@pytest.mark.parametrize("line", ["Height: nm", "Heights = nm", "Höhe;nm", '"Hauteur","nm"', "高さ: nm"])
+def test_heights_with_a_unit_but_no_number_have_that_unit(read, line):
+    holds_nm(read(f"dx: 0.5 µm\ndy: 0.25 µm\n{line}\n{ROWS}"), ONE[::-1])
 
 
 def test_units_that_may_be_those_of_other_axes_are_asked_about(refused):

@@ -133,10 +133,10 @@ def choose_channel(
     "'Topography back', named by the user"
     """
     names = [channel.name for channel in file.channels]
-    listing, together = listed(names), "; ".join(names)
-    together = together if len(together) < _MAX_LIST_LENGTH else "; ".join(names[:2]) + "; ..."
-    is_set = len(names) > 1 and all(channel.is_line for channel in file.channels)
-    together = f"; several profiles of one surface (lay: none) are '{together}'" if is_set else ""
+    listing, together = listed(names), ""
+    if len(names) > 1 and all(channel.is_line for channel in file.channels):
+        shown = names if len("; ".join(names)) < _MAX_LIST_LENGTH else [*names[:2], "..."]
+        together = f"; several profiles of one surface (lay: none) are '{'; '.join(shown)}'"
     if choice is not None:
         for spelling in (str, lambda name: str(name).strip().casefold()):
             matches = [channel for channel in file.channels if spelling(channel.name) == spelling(choice)]
@@ -159,6 +159,7 @@ def choose_channel(
             "name it with channel and give height_unit",
             keys=["channel", "height_unit"],
         )
+    # by name the last resort: a map called error may still be the only one with lengths
     channel = min(heights, key=lambda channel: NO_TOPOGRAPHY.search(channel.name) is not None)
     chosen = f"the first height channel of {len(names)}" if len(names) > 1 else "the only channel"
     return channel, f"{channel.name!r}, {chosen}"

@@ -100,6 +100,7 @@ def _stated_size(header: _Header) -> int | None:
         _require(agrees, f"a variable of {length} bytes is said to have {header_size}")
         (record_sizes if has_records else fixed_sizes).append((header.number(header.position), length))
     streaming = records == 256**header.count - 1
+    # the records of a single variable are not padded (the specification's exception)
     padding = 4 if len(record_sizes) > 1 else 1
     step = sum(length + -length % padding for _, length in record_sizes)
     last = [

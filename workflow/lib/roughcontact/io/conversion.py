@@ -55,6 +55,7 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
     elif request.channel is None and NO_TOPOGRAPHY.search(channel.name):
         notes.append(f"channel {channel.name!r} is read as heights, which by its name it does not hold")
     channel, unit_notes = _settled(channel, request)
+    # before the points are interpolated: a marker among them would spread into the heights around it
     channel, marker_notes = _drop_markers(channel, request)
     channel, request, resampling = resample_evenly(channel, request)
     scale = decide_scale(channel, request)
@@ -63,6 +64,7 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
         if (count := np.count_nonzero(numbers == marker)) > 1:
             missing = "if that marks missing points, missing_value states it"
             notes.append(f"{count} points are {marker:g}: {missing}")
+    # formats other than text have places for positions: what looks like them is only named
     if axes := find_axes(numbers):
         notes.append(axes.note.replace("is taken as", "may be").replace(", and left out", ""))
     with np.errstate(over="ignore"):  # infinite heights are refused below
@@ -123,12 +125,7 @@ def _checksum_notes(file: MeasuredFile, request: Request) -> list[str]:
 def _settled(channel: Channel, request: Request) -> tuple[Channel, list[str]]:
     """Return the channel as map or as points, where its numbers may be both, and a note on the choice."""
     matrix = channel.otherwise
-    if (
-        matrix
-        and request.dx is not None
-        and request.resample is None
-        and (matrix.is_line or request.dy is not None)
-    ):
+    if matrix and request.resample is None and request.has_steps(matrix.shape):
         ny, nx = matrix.shape
         return matrix, [f"the numbers are read as a map of {ny} rows of {nx}, because dx and dy are given"]
     if channel.doubt:

@@ -133,6 +133,7 @@ def file_state(path: str | Path) -> list[int] | None:
 @contextmanager
 def unchanged(path: Path) -> Iterator[None]:
     """Refuse a file that changes within the block, also instead of the error of a reader of half a file."""
+    # without the content: to read a large file twice would take as long as to open it
     initial_state = file_state(path)
     try:
         yield

@@ -59,6 +59,7 @@ def _check_heaps(path: Path) -> None:
 
     A heap has a mark, a version, its size, then objects: a number (0 for the free space), a count, a size.
     """
+    # of all heaps: each may be small, and there may be millions
     remaining = _MAX_HEAP_OBJECTS
     with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
         start = data.find(_HEAP)

@@ -110,6 +110,7 @@ def _map(path: Path, request: Request, file: MeasuredFile) -> tuple[dict, np.nda
         with naming(path):
             result = convert(file, request)
     except (InputFileError, HeightMapError) as error:
+        # the channel is shown although it cannot be converted: that is why people look
         first_channel = next((channel.name for channel in file.channels if not channel.no_height), None)
         name = first_channel if request.channel is None else None
         return content | {"channel": name, "problem": str(error), "needed": list(error.keys)}, None

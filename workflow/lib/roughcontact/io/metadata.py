@@ -58,6 +58,7 @@ def _search(header: Any, candidates: dict[str, tuple[int, str | float]], depth: 
     for key, value in header.items() if hasattr(header, "items") else ():
         name = re.sub(r"[^a-z0-9]", "", str(key).lower())
         if hasattr(value, "items"):
+            # deeper lie settings of parts of the instrument, under the same names
             if depth < 2 and name != "software":
                 _search(value, candidates, depth + 1)
             continue

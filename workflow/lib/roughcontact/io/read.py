@@ -135,6 +135,7 @@ def _read(path: Path, request: Request) -> "xr.DataArray":
     """Return the height map of a file."""
     import xarray as xr
 
+    # the digest is taken within: it is that of the bytes that were read
     with unchanged(path), closing(open_file(path)) as file:
         result = convert(file, request)
         digest = sha256(path)
@@ -142,6 +143,7 @@ def _read(path: Path, request: Request) -> "xr.DataArray":
     if len(file.channels) > 1 and request.channel is None:
         facts.append(f"channel {result.choice}, was read; name another one with channel")
         notes.append(facts[-1])
+    # after the conversion: what is implausible shows in metres
     doubts = suspicions(result.heights, result.dx, result.dy, kind=file.kind)
     notes += map(str, doubts)
     facts += [str(doubt) for doubt in doubts if doubt.kind == "pixels"]
@@ -182,6 +184,7 @@ def _together(path: Path, request: Request, instrument: Mapping[str, float] | No
     if any(row.shape != (1, rows[0].size) for row in rows):
         raise InputFileError(f"{path}: channel = {request.channel}: are no profiles of one length; name one")
     stack = xr.concat(rows, "y", join="override", combine_attrs="override")
+    # profiles have no places across: a step of theirs keeps the rows apart, and `lay` says what they are
     step = float(rows[0]["x"][1] - rows[0]["x"][0])
     stack = stack.assign_coords(y=("y", (np.arange(len(rows)) + 0.5) * step, {"units": "m"}))
     missing = sum(row.attrs["missing_points"] for row in rows)

@@ -34,6 +34,7 @@ def recognised(path: Path) -> tuple[str, Reader]:
 def open_file(path: Path) -> MeasuredFile:
     """Open a measured file of any format, checked and recognised; its channels are in its own units."""
     with guards.naming(path):
+        # before any reader: it has to be safe to open the file at all
         guards.check_file(path)
         reader, size = recognised(path)[1], path.stat().st_size
         guards.check_memory(size * reader.memory_per_byte, f"{size} bytes of this format")
@@ -41,8 +42,10 @@ def open_file(path: Path) -> MeasuredFile:
             guards.check_line_ends(path)
         file = reader.read(path)
         for channel in file.channels:
+            # the shape of a doubtful channel is that of its points, or none
             if not channel.doubt:
                 guards.check_points(channel.shape)
+        # a wrong checksum already says that the file is not as it was written
         if file.required_size is not None and not file.stale:
             file.stale, notes = guards.compare_size(path, file.required_size)
             file.warnings += notes

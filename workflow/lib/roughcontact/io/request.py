@@ -46,10 +46,15 @@ class Request:
 
     def __post_init__(self) -> None:
         for field in fields(self):
+            # an empty cell of the table of surfaces is no argument, as a CSV reader gives it: "" or NaN
             if _is_empty(getattr(self, field.name)):
                 object.__setattr__(self, field.name, None)
             elif field.name in _CHECKS:
                 _CHECKS[field.name](getattr(self, field.name))
+
+    def has_steps(self, shape: tuple[int, int]) -> bool:
+        """Return whether the user gives all steps of a map, or of a profile, of a shape (ny, nx)."""
+        return self.dx is not None and (self.dy is not None or shape[0] == 1)
 
     def attributes(self) -> dict[str, Any]:
         """Return those of the arguments that the map keeps as attributes."""

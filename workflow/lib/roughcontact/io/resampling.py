@@ -114,6 +114,7 @@ def _interpolated(positions, z, steps):
             heights = LinearNDInterpolator(points, z)(*grid)
         except QhullError as error:
             raise HeightMapError("all points lie on one line; give the file as a profile") from error
+    # triangles span holes in the data, where nothing was measured
     distance, _ = cKDTree(points).query(np.column_stack([coords.ravel() for coords in grid]), workers=1)
     heights[distance.reshape(heights.shape) > _REACH] = np.nan
     return along, np.atleast_2d(heights)
@@ -122,6 +123,7 @@ def _interpolated(positions, z, steps):
 def _grid(positions, step):
     """Return the points of an even grid within the positions, centred among them."""
     low, high = positions.min(), positions.max()
+    # a field of exactly so many steps may be one rounding error short of them
     intervals = int(np.floor((high - low) / step * (1 + 1e-9)))
     if intervals < 1:
         raise HeightMapError(f"a step of {step:g} is longer than the field of {high - low:g}")

@@ -5,10 +5,8 @@ from pathlib import Path
 from roughcontact.errors import InputFileError
 
 _PACKAGE = Path(__file__).resolve().parents[1]
-_FOLDERS = (
-    _PACKAGE / "_workflow/data_samples",
-    _PACKAGE.parents[2] / "data_samples",
-)  # of a wheel, a checkout
+# of a wheel, and of a checkout
+_FOLDERS = (_PACKAGE / "_workflow/data_samples", _PACKAGE.parents[2] / "data_samples")
 _NO_SAMPLES = {".md", ".py"}  # what tells of the files, and the program that makes them
 
 

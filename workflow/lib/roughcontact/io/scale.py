@@ -48,6 +48,7 @@ def decide_scale(channel: Channel, request: Request) -> Scale:
     notes: list[str] = []
     factor = _lateral_factor(channel, request, notes)
     dx, dy = (_step(name, channel, request, factor, notes) for name in ("dx", "dy"))
+    # the width of a profile is never used; a step along y keeps its array like that of a map
     if channel.is_line and dy is None:
         dy = dx
     if dx is None or dy is None or _is_half_stated(channel, request):
@@ -128,6 +129,7 @@ def _height_factor(channel: Channel, request: Request, steps: tuple[float, float
     if file_unit is not None:
         return metres(file_unit, where="height unit")
     lengths = [*steps, steps[0] * channel.shape[1], steps[1] * channel.shape[0]]
+    # the unit of x and y serves for the heights only where no line of the file has another one
     if request.unit is None or says_another_unit(channel, request, lengths):
         raise InputFileError(
             f"the file does not say the unit of its heights{quoted(channel, request)}; give height_unit in "

@@ -160,12 +160,14 @@ def lines_not_used(
     """
     (ny, nx), (dx, dy) = channel.shape, steps
     finite = numbers[np.isfinite(numbers)] if channel.unused else np.empty(0)
+    # whole numbers may be counts, for which a factor that nobody applied is fatal
     is_integer = bool(finite.size) and "factor" not in channel.sources and not np.any(finite % 1)
     extremes = [finite.min(), finite.max(), np.ptp(finite), 1.0] if finite.size else []
     sides = [dx, dy, nx * dx, ny * dy]
     lengths_used = [*sides, *(height_factor * height for height in extremes)]
-    has_steps = request.dx is not None and (request.dy is not None or ny == 1)
-    stated_above = not has_steps and any("line" in channel.sources.get(step, "") for step in ("dx", "dy"))
+    stated_above = not request.has_steps(channel.shape) and any(
+        "line" in channel.sources.get(step, "") for step in ("dx", "dy")
+    )
     exempt, listing, notes = ignored_lines(request), [], []
     for number, text in channel.unused:
         lengths = parse_lengths(text)
@@ -184,6 +186,7 @@ def lines_not_used(
         counts = _COUNTS.search(text)
         strange_points = counts is not None and {*map(int, counts.groups())} != {nx, ny}
         check = ""
+        # a line is quoted once, for the first matter that it may concern
         if values and "marker" in matters and (count := int(np.sum(finite == values[-1]))):
             points = f"{'is' if count == 1 else 'are'} {counted_noun(count, 'point')} with that height"
             check = f"and there {points}: if missing, give missing_value"

@@ -72,6 +72,7 @@ def _tiff_pages(data: mmap.mmap) -> Iterator[tuple[int, np.ndarray]]:
     position = int.from_bytes(data[4:8], order)
     positions: set[int] = set()
     while position:
+        # each page names the next one: nothing keeps a file from naming one of those before
         if position in positions or len(positions) == _MAX_PAGES:
             raise InputFileError(f"damaged TIFF: its pages form a loop, or are more than {_MAX_PAGES}")
         positions.add(position)

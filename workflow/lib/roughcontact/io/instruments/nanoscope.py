@@ -60,6 +60,7 @@ def corrected(channels: list[Any], path: Path) -> list[str]:
             raise InputFileError(f"its scan size is {image['scan size']}: it did not move over the surface")
         n_bytes, bytes_of_line = int(image["data length"]), nx * info.tags["elsize"]
         lines = n_bytes // bytes_of_line
+        # a block of another length than whole lines holds more than this image: the header decides
         if lines * bytes_of_line != n_bytes or lines != int(image.get("valid data len y", lines)):
             lines = ny
         length = y * lines / ny if "slow axis size" in scan else x * _aspect(scan, nx, lines, image)

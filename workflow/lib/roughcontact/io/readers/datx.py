@@ -18,6 +18,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a file with SurfaceTopography."""
+    # for its checks alone: links into other files are refused before the library follows them
     hdf5.datasets(path)
     return read_instrument(path)
 

@@ -53,6 +53,7 @@ def _objects(path: Path) -> tuple[list[tuple[np.void, int]], int]:
     objects: list[tuple[np.void, int]] = []
     size, stop = path.stat().st_size, 0
     with path.open("rb") as stream:
+        # a surface alone may be followed by anything; objects of a series follow one another
         while not objects or (objects[0][0]["type"] != _SURFACE and stream.read(12) in (_PLAIN, _PACKED)):
             stream.seek(stop)
             data = stream.read(_HEADER_BYTES)

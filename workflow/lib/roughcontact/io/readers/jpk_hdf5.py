@@ -45,6 +45,7 @@ def read(path: Path) -> MeasuredFile:
 
     There is one channel for each quantity, direction and frame; the measured heights come first.
     """
+    # for its checks alone: links into other files are refused before anything is read
     hdf5.datasets(path)
     with hdf5.opened(path) as file:
         measurements = [file[name] for name in sorted(file) if name.startswith("Measurement_")]

@@ -100,6 +100,7 @@ def _places(path: Path) -> list[slice]:
             if data_type != _COMPRESSED:
                 stream.seek(count, 1)
                 continue
+            # unpacked in pieces that are thrown away: a few bytes may claim to be many gigabytes
             block, unpacker = stream.read(count), zlib.decompressobj()
             while block:
                 total += len(unpacker.decompress(block, 2**20))

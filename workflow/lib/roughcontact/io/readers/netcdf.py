@@ -47,6 +47,7 @@ def read(path: Path) -> MeasuredFile:
     seal_size = check_seal(path)
     required_size = classic.check_header(path) if head.startswith(classic.MARKS) else hdf5.stated_size(path)
     arrays = hdf5.datasets(path) if head.startswith(hdf5.MARK) else {}
+    # closed only after a failure: channels read from the open dataset, until the file is closed
     with refusing(_DAMAGED), ExitStack() as after_failure:
         too_long = _oversized_variables(path)
         dataset = after_failure.enter_context(_dataset(path, list(too_long)))
@@ -153,6 +154,7 @@ def _variable(dataset: Any, name: Any, dims: tuple[str | None, str], selection: 
     if variable.dtype.kind not in "iuf":
         channel.no_height = f"values of type {variable.dtype}"
         unread = f"variable {name!r} holds {channel.no_height}, not real numbers"
+    # a last axis shorter than all others is hardly x, but as in (y, x, wavelength)
     elif counts and not str(x).lower().startswith("x") and shape[1] < min(shape[0], *counts.values()):
         axes = ", ".join(map(str, variable.dims))
         unread = f"nothing says which axes of {name!r} are those of a map: name two of {axes} y and x"

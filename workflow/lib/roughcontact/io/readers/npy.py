@@ -21,6 +21,7 @@ def read(path: Path) -> MeasuredFile:
         raise InputFileError(f"an array of shape {values.shape}; a map has two axes (y, x), a profile one")
     channel = Channel("height", shape, lambda: as_heights(values))
     file = MeasuredFile("NumPy array", [channel], first_row="bottom", first_row_assumed=True)
+    # NumPy ignores bytes behind the array, which a damaged header leaves there
     file.required_size = getattr(values, "offset", 0) + values.nbytes
     if values.dtype.kind not in "iuf":
         channel.no_height = f"values of type {values.dtype}, not real numbers"

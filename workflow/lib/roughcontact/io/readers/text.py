@@ -86,6 +86,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a text file as a matrix, a list of points or a profile, by its content; both readings: refused."""
+    # all tables before any: whether a second one is a channel or a mistake shows only beside the first
     tables, counts, dialect, notes = read_tables(path)
     texts: list[_Text] = []
     files: list[MeasuredFile] = []
@@ -105,10 +106,12 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     values, width = table.values, table.values.shape[1]
     sign = "," if dialect.decimal_comma else "." if any("." in line for line in rows.texts) else ""
     by_meaning = statements(rows.heading, start=rows.first, sign=sign)
+    # from the table upwards: of several headings the nearest is that of the heights
     headings = ((each, unit_of_heights(each[1])) for each in rows.filled[: -_MAX_DISTANCE - 1 : -1])
     for (number, line), unit in [heading for heading in headings if heading[1]][:1]:
         statement = Statement(unit, line=number, text=line.strip()[:_LONGEST_QUOTE])
         by_meaning.setdefault("height_unit", []).append(statement)
+    # a row above the table that a word keeps out of it would be a line of the map that is lost
     refuse_lost_row(rows, width, dialect)
     doubts = [
         f"{marker!r} occurs in {counted_noun(count, 'cell')} of the table and is taken as missing: "
@@ -121,12 +124,14 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     if {line.split()[0].lower() for _, line in rows.filled} >= _ARC_INFO:
         by_meaning.setdefault("missing", [Statement(-9999.0)])  # by default of the format
     doubts += thousands(by_meaning, rows.texts[table.empty_corner :], dialect)  # without positions
+    # a range of heights that is that of the numbers has their unit: no other line needs to say it
     finite = values[np.isfinite(values) & ~np.isin(values, _markers(by_meaning))]
     span = np.ptp(finite) if finite.size else 0.0
     for extent in by_meaning.get("height_range", ())[:1]:
         if extent.unit and abs(extent.value - span) <= 0.01 * span:  # in the unit of the heights
             by_meaning.setdefault("height_unit", [extent._replace(value=extent.unit)])
     columns = headed(rows.heading, width, dialect.delimiter)
+    # empty columns beside the map are a spreadsheet's; where a size is stated they may be part of the map
     if table.empty.any() and not {"length_x", "length_y", "nx", "ny"} & {*by_meaning}:
         occupied = slice(*(np.flatnonzero(~table.empty)[[0, -1]] + (0, 1)))
         corner = bool(np.isnan(values[0, occupied.start])) if occupied.start else table.empty_corner
@@ -146,6 +151,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
             f"{above.strip()[:60]!r} names {name_count} columns, the table below it, from line "
             f"{rows.lines[0]} on, has {width}: correct that line"
         )
+    # "256 192" in one line counts both sides; counts in several lines may be of several things
     points = by_meaning.get("count", [])
     counts = counts or [count.value for count in points if count.line == points[0].line]
     _refuse_cut_table(table.values.shape, counts)
@@ -167,6 +173,7 @@ def _unused(
     return [
         (number, line.strip()[:_LONGEST_QUOTE])
         for number, line in rows.filled[:_MAX_LINES]
+        # a line of which only a part was understood is open for the rest of it
         if (number not in used or len(parse_lengths(line)) > used[number])
         and len(line) <= _LONGEST_LINE
         and not (columns and headed([line], len(columns), delimiter))
@@ -178,13 +185,11 @@ def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
     """Return the tables of one text as channels of one file."""
     titles = [text.stated.first("channel") or _title(text) for text in texts]
     has_heading = [
-        text.stated or text.columns or (titles[0] and title)
+        bool(text.stated or text.columns or (titles[0] and title))
         for text, title in zip(texts, titles, strict=True)
     ]
     if not all(has_heading[1:]) and (has_heading[0] or not texts[0].rows.filled):
-        number, _ = next(
-            text for text, name in zip(texts[1:], has_heading[1:], strict=True) if not name
-        ).rows.start
+        number, _ = texts[has_heading.index(False, 1)].rows.start
         raise InputFileError(f"{_second_table(number)}, or give each a heading of its own")
     channels = []
     for number, (file, title) in enumerate(zip(files, titles, strict=True), start=1):
@@ -230,6 +235,7 @@ def _file(text: _Text) -> MeasuredFile:
             f"nothing says which of the {count} columns {listing} are positions and heights; name them "
             "x, y and z, in the line above the table, or delete that line above the heights of a map"
         )
+    # an empty corner tells positions beside a matrix from headings that name its columns
     has_positions = text.table.empty_corner and find_axes(values, corner=True) is not None
     if groups and not has_positions:
         return _lists(text, groups)
@@ -242,6 +248,7 @@ def _file(text: _Text) -> MeasuredFile:
         return _lists(text, [[*range(count)]])
     if text.rows.broken:
         between = np.array(text.rows.lines) - text.rows.lines[0]
+        # only a stated number of rows tells rows that are missing from a second table
         if text.stated.first("ny") != between[-1] + 1:
             raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a row is missing")
         whole = np.full((between[-1] + 1, count), np.nan)  # as many rows as are stated
@@ -274,6 +281,7 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
             f"the first {line} of the table, from line {text.rows.lines[0]} on, holds positions that are not "
             "even: delete it if it holds none, or write the points as a list x, y, z"
         )
+    # a header that counts the first row and column with the heights says that they are heights
     if axes is None or (text.stated.first("ny"), text.stated.first("nx")) == (ny, nx):
         if text.table.short:
             raise InputFileError(f"line {text.rows.lines[0]} has {nx - 1} numbers where the others have {nx}")
@@ -355,6 +363,7 @@ def _lists(text: _Text, groups: list[list[int]]) -> MeasuredFile:
     if not alternatives:
         return file
     question = file.question
+    # a column that nothing says to be a length is no rival of one that is
     if alternatives[0][0] <= max(rank, _LENGTH) < _NO_HEIGHT:
         names = ", ".join(repr(columns[indices[-1]].name) for indices in groups)
         question = f"{counted_noun(len(groups), 'column')} that may be heights: {names}"
@@ -371,6 +380,7 @@ def _list(table: np.ndarray, columns: list[Column], text: _Text) -> MeasuredFile
     lateral = [unit for unit in units[:-1] if unit]
     factor = 1.0 if len(lateral) < 2 or same_length(*lateral) else _ratio(lateral[1], lateral[0], text)
     lateral_unit = [*lateral, text.stated.first("lateral_unit", "unit")][0]
+    # empty cells below the shorter of two lists are no points of it
     has_values = ~np.isnan(table).all(axis=1)
     lines = [line for line, has_value in zip(text.rows.lines, has_values, strict=True) if has_value]
     *positions, heights = table[has_values].T
@@ -539,6 +549,7 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
         channel.shape, channel.read = heights.shape, lambda: heights
         channel.dx, channel.dy, channel.first_x, channel.first_y = steps["x"], steps["y"], *origin
     except UnevenPositionsError as error:
+        # x, z1, z2 of two profiles, or a counter before x and y, look like points x, y, z
         if text.columns is None and (are_points(np.column_stack([x, z])) or form_a_grid(y, z)):
             raise InputFileError(
                 f"{error}; name the columns in a line above them, as x, z1, z2, or delete the first one if "
@@ -616,14 +627,15 @@ def _channel(numbers: np.ndarray, text: _Text, unit: str | None = None, **attrib
         numbers[numbers == marker] = np.nan
     for factor in text.stated.get("z_factor", [])[:1]:  # of counts or phases: it makes them lengths
         numbers, unit = numbers * factor.value, factor.unit or unit
-    sources = {
+    lines = {
         column: f"line {text.stated[entry][0].line}"
         for column, entries in _ENTRIES.items()
         for entry in entries
         if entry in text.stated and text.stated[entry][0].line
     }
-    sources = {"unit": sources.get("dx", "headings"), "missing_value": "words and NaN"} | sources
-    attributes |= {"sources": {"height_unit": "headings"} | sources, "unused": text.unused}
+    otherwise = {"unit": lines.get("dx", "headings"), "height_unit": "headings"}
+    attributes["sources"] = otherwise | {"missing_value": "words and NaN"} | lines
+    attributes["unused"] = text.unused
     name = text.stated.first("channel") or "height"
     return Channel(name, (len(numbers), numbers.shape[1]), lambda: numbers, unit, **attributes)
 

@@ -39,6 +39,7 @@ def read(path: Path) -> MeasuredFile:
             line = "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in row)
             if line or not lines or lines[-1]:  # a cell far below is no million of lines
                 lines.append(line)
+    # the reader of texts wants a path; a table of a workbook is one of a text in every other respect
     with TemporaryDirectory() as folder:
         table = Path(folder, "table.txt")
         table.write_text("\n".join([*lines, ""]), encoding="utf-8-sig")

@@ -35,6 +35,7 @@ def read(path: Path) -> MeasuredFile:
         name = _main_xmls(path)[0]
         with zipfile.ZipFile(path) as archive:
             main = archive.read(name)
+        # before x3pio makes the array that main.xml claims
         _check_claimed_size(main)
         try:
             file, stale = x3pio.read(_normalised_archive(path, name, main)), ""
@@ -77,6 +78,7 @@ def _normalised_archive(path: Path, name: str, main: bytes) -> Path | io.BytesIO
     """
     folder = name.removesuffix("main.xml")
     normalised = re.sub(rb"(</?)(\w+:)?ISO5436(?=[\s>])", rb"\1\2ISO5436_2", main)
+    # x3pio reads most files as they are; only what others write beside the standard is repacked
     if _depth(folder) <= 1 and normalised == main:
         return path
     buffer = io.BytesIO()

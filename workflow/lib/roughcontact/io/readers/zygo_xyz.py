@@ -33,6 +33,7 @@ def read(path: Path) -> MeasuredFile:
         x, y = np.array([point[:2] for point in points], dtype=int).T
         heights = np.full((ny, nx), np.nan)
         heights[y - y.min(), x - x.min()] = [float("nan" if z == "No" else z) for _, _, z in points]
+    # not calibrated: pixels are asked for, never 1
     side, unit = (pixel, "m") if pixel > 0 else (None, None)
     channel = Channel("height", (ny, nx), heights.copy, "um", side, side, unit)
     return MeasuredFile("Zygo XYZ", [channel], "bottom", {"kind": OPTICAL.name, "vendor": "Zygo"})

@@ -132,6 +132,7 @@ def begins_anew(values: np.ndarray) -> int:
     """
     if min(values.shape) < _MIN_FROM_ZERO:
         return 0
+    # the first column, one behind a counter, or the first below a row of positions
     for offset, column in ((0, values[:, 0]), (0, values[:, 1]), (1, values[1:, 0])):
         monotonic_runs = runs(column)
         even = all(_step(column[run]) is not None for run in monotonic_runs)
@@ -182,6 +183,7 @@ def _progression(line: np.ndarray, rows: np.ndarray) -> float | None:
     """Return the step of an even progression that most of the others are not, else None."""
     step = _step(line) if np.isfinite(line).all() else None
     even = [abs(row_step) for row in rows[:_COMPARED] if (row_step := _step(row)) is not None]
+    # heights on a tilted plane are even too: positions stand out among the other rows, or are no positions
     like_rows = step is not None and even and min(even) / _STEP_RATIO <= abs(step) <= max(even) * _STEP_RATIO
     return None if like_rows and 2 * len(even) > len(rows[:_COMPARED]) else step
 

@@ -45,6 +45,7 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
     """
     units: list[str | None] = [None] * count
     nearest = None
+    # upwards, so that units are known when the names above them are met
     for line in reversed(lines[-_MAX_DISTANCE:]):
         cells = _cells(line, count, delimiter)
         columns = [_column(cell) for cell in cells]

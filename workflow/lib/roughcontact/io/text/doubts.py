@@ -47,6 +47,7 @@ def thousands(by_meaning: Stated, body: list[str], dialect: Dialect) -> list[str
     examples: dict[bool, dict[int, str]] = {True: {}, False: {}}  # grouped or not, in each column
     cells = (cell for line in body for cell in enumerate(line.strip().split(dialect.delimiter)))
     count = 0
+    # one number below one, or with other digits, settles the sign: no more is read
     for column, cell in islice(cells, _MAX_CELLS):
         text = cell.strip()
         if match := number.fullmatch(text):

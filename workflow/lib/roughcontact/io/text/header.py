@@ -30,8 +30,13 @@ _TWO_VALUES = {
     "per_pixel": ("d{}", "n{}", "count"),
     "count": ("", "count", "count"),
 }
-_RESOLUTIONS = {"resolution_x": "dx", "resolution_y": "dy"}  # without a unit of length a number of points
 _PIXELS = {"length_x": "nx", "length_y": "ny"}  # a size in pixels is a number of them
+# words that mean one thing with a unit of length, another, or nothing that is known, without
+_BY_UNIT = {
+    f"{word}_{axis}": (length + axis, count and count + axis)
+    for axis in "xy"
+    for word, length, count in (("pixel", "d", "n"), ("side", "length_", "n"), ("resolution", "d", ""))
+} | {"nx": ("", "nx"), "ny": ("", "ny")}
 _PIXEL_WORDS = ("px", "pixel", "pixels", "points", "pts", "samples", "lines", "rows", "columns")
 _MEANING = meanings("header") | dict.fromkeys(words("header")["height"], "length_y")
 _COMPOSED, _PART = meanings("composed"), meanings("part")
@@ -61,7 +66,8 @@ _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the 
 _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IGNORECASE)
 # its pixels, or steps, are not the map's
 CAMERA = re.compile(r"(?=.*pixel).*\b(?:camera|sensor|detector|ccd)\b|.*\b(?:motor|moteur)\b", re.IGNORECASE)
-_HEIGHT_WORD = re.compile(rf"\W*(?:{'|'.join(words('header')['height'])})\b", re.IGNORECASE)
+_HEIGHT_WORDS = "|".join(words("header")["height"] + words("part")["height"])
+_HEIGHT_WORD = re.compile(rf"\W*(?:{_HEIGHT_WORDS})\b", re.IGNORECASE)
 _LONGEST = 60  # characters of a line that a message shows
 _AMBIGUOUS = "its mark may be the decimal sign or separate thousands"
 _SLACK, _WIDEST_SLACK = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with rounding
@@ -223,6 +229,7 @@ def _agree(first: tuple[Statement, int], second: tuple[Statement, int], general:
 
 def _entries(text: str) -> Iterator[tuple[str, str]]:
     """Yield the keys and values of a line: one, as ``Width: 5 mm``, or several, as ``h=305 w=75``."""
+    # from the strictest form to the loosest: each takes lines that the next would misread
     pair = _TWO_SIDES.fullmatch(text) if len(text) < _MAX_PHRASE else None
     if pair and len(_LABEL.findall(pair[2])) == 2 and _meaning(pair[1]) in _TWO_VALUES:
         yield pair[1], pair[2]
@@ -238,6 +245,7 @@ def _entries(text: str) -> Iterator[tuple[str, str]]:
         text = ", ".join(piece for piece in pieces if not meant.get(piece))
     head, *value_texts = re.split(r"\s*[:=]\s*", text)
     keys, values = [head], []
+    # "h=305 w=75" is two entries; "file = C:/map" is one, as its second value is no number
     numbers = all(map(NUMBER.match, value_texts))
     for value_text in value_texts[:-1] if numbers else ():  # a value, its unit, the next key
         tokens = re.split(r"[\s;]+|,\s+", value_text)
@@ -258,7 +266,7 @@ def _entries(text: str) -> Iterator[tuple[str, str]]:
     else:  # "heights in nm"
         lengths = (stop for stop in range(max(1, len(text) - _MAX_UNIT), len(text)) if is_length(text[stop:]))
         for stop in islice(lengths, 1):
-            if _meaning(text[:stop]) != "z":
+            if _meaning(text[:stop]) not in ("z", "length_y"):  # "Height (nm)" is a heading
                 yield text[:stop], text[stop:]
 
 
@@ -305,7 +313,9 @@ def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Stateme
     if not opening and last != "in" and is_length(last) and _meaning(head):  # "width_um"
         name, unit = head, last
     meaning = _meaning(name)
-    if meaning == "z":
+    if meaning == "length_y" and is_length(value) and _HEIGHT_WORD.fullmatch(name.strip()):
+        meaning = "height_unit"  # "Height: nm", without a number, is no side of the map
+    elif meaning == "z":
         meaning = "height_unit" if is_length(value) else None
     if meaning is None:
         return
@@ -364,25 +374,23 @@ def _parse_numbers(
     meaning: str, match: re.Match[str], unit: str, sign: str
 ) -> Iterator[tuple[str, Statement]]:
     """Yield the meaning and statement of a number at the beginning of a value; two where its units differ."""
+    suffix = match.string[match.end() :].strip().strip("()[]")
+    value_unit = _PER_PIXEL.sub("", suffix).partition(" ")[0].strip("()[],;")
+    if meaning in _BY_UNIT:  # "Pixel x: 0.4 µm" is a step, "Pixel x: 18" a number of them
+        meaning = _BY_UNIT[meaning][not is_length(_PER_PIXEL.sub("", value_unit or unit))]
     number, rounding = number_and_rounding(match[0].rstrip(".,"), sign)
     if meaning in _COUNTS:  # 1,024 and 18.0000001
         number = float(re.sub(r"\D", "", match[0])) if math.isnan(number) else round(number, 6)
-    suffix = match.string[match.end() :].strip().strip("()[]")
-    value_unit = _PER_PIXEL.sub("", suffix).partition(" ")[0].strip("()[],;")
     if meaning == "per_pixel" and _PER_PIXEL.search(suffix or unit):
         meaning = "step"
-    elif meaning in _RESOLUTIONS and is_length(_PER_PIXEL.sub("", value_unit or unit)):
-        meaning = _RESOLUTIONS[meaning]
     unit = _PER_PIXEL.sub("", unit)
     value_unit = value_unit or unit
     if meaning in _PIXELS and value_unit.lower() in _PIXEL_WORDS:
         meaning, value_unit = _PIXELS[meaning], ""
-    elif meaning in _PIXELS.values() and is_length(value_unit):
-        meaning = "length_" + meaning[1]
     if meaning in _COUNTS and number % 1:
         return
     bare_size = meaning == "size" and not is_length(value_unit)
-    unclear = bare_size or meaning == "per_pixel" or meaning in _RESOLUTIONS
+    unclear = bare_size or meaning in ("per_pixel", "")
     if unclear or (meaning in LENGTHS and _RANGE.match(suffix)):
         return
     yield meaning, Statement(number, value_unit, rounding)

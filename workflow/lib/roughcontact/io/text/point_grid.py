@@ -38,6 +38,7 @@ def points_on_grid(
         )
     check_points((ny, nx))
     _refuse_repeated(row * nx + column, lines)  # within rounding
+    # before the missing points are filled with NaN, which would hide that the list was cut off
     _refuse_cut_list(row, column)
     heights = np.full((ny, nx), np.nan)
     heights[row, column] = z
@@ -74,6 +75,7 @@ def _grid_lines(positions: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarra
     if distinct.size == 1:
         return distinct, np.zeros(positions.size, dtype=int)
     gaps = np.diff(distinct)
+    # positions of one line differ by their rounding, those of two by a step: nothing lies between
     limit = 0.5 * np.max(gaps)
     if np.any((gaps < limit) & (gaps > 0.02 * np.max(gaps))):
         raise UnevenPositionsError(

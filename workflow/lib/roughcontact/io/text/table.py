@@ -164,6 +164,7 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     extent = f" in its first {_MAX_HEADER_LINES} lines" if len(filled) > _MAX_HEADER_LINES else ""
     start = next(chain(rows, pairs), len(lines))
     first_row = next((line for line in (lines[start:] or lines[::-1]) if line.strip()), "")
+    # rows with a remark beside the first points stand above the first row of numbers alone
     while start and (start < len(lines) or not extent) and _is_row_like(lines[start - 1], first_row):
         start -= 1
     if start < len(lines):
@@ -221,6 +222,7 @@ def strip_remarks(
     rows = [dialect.cells(line) for line in body if is_row(line)] if words else []
     width = max(map(len, rows), default=0)
     cells_by_column = [[*filter(None, column)] for column in zip_longest(*rows)]
+    # a column with any number in it holds heights, among which a word is refused later
     columns = {index for index in words if not _are_finite(map(dialect.number, cells_by_column[index])).any()}
     if not columns or len(columns) == width:
         return header, body, []
@@ -290,6 +292,7 @@ def separators(body: list[str]) -> Dialect:
     separating = re.search(r",\S*,|,(?:\s|\Z)|\.(?!\d{3}[.,])\d*,", text) or (
         "." in text and re.search(r"\s,", text)
     )
+    # blanks separate the cells, so that a comma within one is a decimal sign
     if any(len(row) > 1 for row in tokens) and not separating:
         return Dialect(None, True)
     one_comma = max(line.count(",") for line in sample) == 1
@@ -312,6 +315,7 @@ def split_footer(body: list[str]) -> tuple[list[str], list[str], Dialect]:
     >>> split_footer(["1.5;2.5", "3.5;4.5", "", "Ra;0,25;µm"])[:2]
     (['1.5;2.5', '3.5;4.5'], ['', 'Ra;0,25;µm'])
     """
+    # upwards: a word among the last rows is one of the table, words below all of them are none
     stop = next((number for number in range(len(body), 0, -1) if is_row(body[number - 1])), len(body))
     table, footer = body[:stop], body[stop:]
     dialect = separators(table)
@@ -393,6 +397,7 @@ def split_tables(header: list[str], body: list[str], start: int, dialect: Dialec
     for number, line in enumerate(gap_lines, start=start + len(body) - len(gap_lines)):
         if line.strip(_CELL_SEPARATORS) and line.lstrip()[0] not in "#%":
             raise _no_row(line, number)
+    # an empty line below every row, as of some line ends, separates nothing; a longer gap does
     if is_separate and len(tables) == 1 and len(tables[0].lines) > 2:
         gaps = np.diff(tables[0].lines)
         tables[0] = tables[0]._replace(broken=tables[0].lines[gaps.argmax() + 1] if np.ptp(gaps) else 0)
