@@ -29,11 +29,11 @@ from roughcontact.arguments.kinds import facts_of, properties_of_map
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.si import as_si
 from roughcontact.arguments.variables import describe
-from roughcontact.contact.dataset import FieldsInUnits, load_result, unit_of_pressure
+from roughcontact.contact.dataset import load_result, unit_of_pressure
 from roughcontact.contact.elasticity.energy import elastic_energy
 from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.loads import check_loads
-from roughcontact.contact.problem import Problem, nondimensionalise
+from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.solve import elasticity, periodic_solutions, solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.statistics.contact_geometry import relative_contact_area
@@ -46,24 +46,24 @@ SETTLED = 1.1  # ratio of the contact areas after and before a doubling of the d
 _STARTS = 2000  # of doublings that are tried
 
 
-class _Solved(NamedTuple):
-    """The contact of a face, as `load_result` takes it."""
-
-    fields: FieldsInUnits
-    solution: Any
-    approach: float  # m
-    problem: Problem
-
-
 class _Worn(NamedTuple):
-    """The face after a distance (m), its contact, and what the bound of its heights needs."""
+    """The face after a distance (m) in its contact, and what the bound of its heights needs."""
 
     distance: float
-    height: xr.DataArray  # m
-    contact: _Solved
+    contact: xr.Dataset  # at one load
     energy: float  # upper bound of Phi, Pa m
     missing: float  # upper bound of the error of the pressure in the norm of G, (Pa m)^(1/2)
     squared_error: float = 0.0  # bound of the mean square of the error of the heights, m2
+
+    @property
+    def height(self) -> xr.DataArray:
+        """The face (m)."""
+        return self.contact["height"]
+
+    @property
+    def pressure(self) -> np.ndarray:
+        """The pressure on it (ny, nx; Pa)."""
+        return self.contact["pressure"].values[0]
 
 
 @as_si
@@ -154,25 +154,15 @@ def run_in(
     wear = check_positive("wear_coefficient", wear_coefficient, unit="1/Pa")
     distances = _check_distances(sliding_distance)
     (load,) = check_loads("mean_pressure", mean_pressure, unit="Pa")
-    material = elasticity(contact_modulus, bodies, influence, hardness)
-    first = solve_contact(
-        window,
-        contact_modulus=contact_modulus,
-        bodies=bodies,
-        mean_pressure=load,
-        hardness=hardness,
-        influence=influence,
-        zero_frequency=zero_frequency,
-        tolerance=solver_tolerance,
-        threads=threads,
-    )
+    options: dict[str, Any] = {"contact_modulus": contact_modulus, "bodies": bodies, "hardness": hardness}
+    options |= {"influence": influence, "zero_frequency": zero_frequency}
+    first = solve_contact(window, **options, mean_pressure=load, tolerance=solver_tolerance, threads=threads)
+    faces = worn_faces(first, elasticity(**options), wear, distances, tolerance=tolerance, threads=threads)
     rows, course = [], []
-    for steps, worn in enumerate(
-        worn_faces(first, material, wear, distances, tolerance=tolerance, threads=threads)
-    ):
-        course.append((worn.distance, relative_contact_area(worn.contact.fields.pressure > 0)))
+    for steps, worn in enumerate(faces):
+        course.append((worn.distance, relative_contact_area(worn.pressure > 0)))
         if worn.distance in distances:
-            numbers = _numbers(worn, first, material, {"bodies": bodies} | dict(statistics or {}))
+            numbers = _numbers(worn, first, {"bodies": bodies} | dict(statistics or {}))
             rows.append(numbers.assign(wear_steps=steps))
     along = xr.concat(rows, xr.Variable("sliding_distance", distances))
     return describe(along.assign(running_in_distance=running_in_distance(*np.transpose(course))))
@@ -199,17 +189,14 @@ def worn_faces(
     _Worn
         whose distances rise from 0.
     """
-    height, load = contact["height"], contact["mean_pressure"].item()
-    rule, accuracy = contact.attrs["zero_frequency"], contact.attrs["tolerance"]
-    solve = partial(_solved, load=load, zero_frequency=rule, tolerance=accuracy, threads=threads)
-    solved = solve(height, material, start=contact["pressure"].values[0])
-    worn = _Worn(0.0, height, solved, *_bounds(height, solved, material))
+    solve = partial(_solved, like=contact, threads=threads)
+    worn = _Worn(0.0, contact, *_bounds(contact, material))
     yield worn
-    allowed, length = (tolerance * float(height.std())) ** 2, 0.0
+    allowed, length = (tolerance * float(worn.height.std())) ** 2, 0.0
     for end in distances:
         while worn.distance < end:
             share = STEP_SHARE * max(allowed - worn.squared_error, 0.0)
-            spread = float(worn.contact.fields.pressure.std())
+            spread = float(worn.pressure.std())
             certain = 2 * math.sqrt(share) / (wear * spread) if spread > 0 else math.inf
             length = max(length, certain)
             step = min(length, end - worn.distance)
@@ -226,48 +213,48 @@ def worn_faces(
 
 
 def _step(
-    worn: _Worn, material: Elasticity, wear: float, step: float, solve: Callable[..., _Solved]
+    worn: _Worn, material: Elasticity, wear: float, step: float, solve: Callable[..., xr.Dataset]
 ) -> _Worn:
     """Return the face after an implicit step (m) of Archard's law."""
     depth = wear * step  # by pressure, m/Pa
     series = replace(material, foundation=depth * material.modulus)
-    with_wear = solve(worn.height, series, start=worn.contact.fields.pressure)
-    lost = depth * with_wear.fields.pressure
-    height = worn.height - lost
-    solved = solve(height, material, start=with_wear.fields.pressure)
-    energy, missing = _bounds(height, solved, material)
+    pressure = solve(worn.height, series, start=worn.pressure)["pressure"].values[0]
+    lost = depth * pressure
+    contact = solve(worn.height - lost, material, start=pressure)
+    height, (energy, missing) = contact["height"], _bounds(contact, material)
     # whatever the solver left open, the pressure of the step is a subgradient of Phi at h' up to the
     # difference of Phi and its own energy, and that counts twice: as an error of the step, and in D
-    pressure, size = with_wear.fields.pressure, partial(_norm, height=height, material=material)
-    own_energy = float(np.mean(pressure * height.values)) - size(pressure) ** 2 / 2
-    change = size(worn.contact.fields.pressure - pressure) - worn.missing
+    own_energy = float(np.mean(pressure * height.values)) - _norm(pressure, height, material) ** 2 / 2
+    change = _norm(worn.pressure - pressure, height, material) - worn.missing
     change -= math.sqrt(2 * max(energy - own_energy, 0.0))
     growth = depth * (worn.energy + energy - 2 * own_energy - CONVEXITY * max(change, 0.0) ** 2)
     squared_error = worn.squared_error + max(growth - float(np.mean(lost**2)), 0.0)
-    return _Worn(worn.distance + step, height, solved, energy, missing, squared_error)
+    return _Worn(worn.distance + step, contact, energy, missing, squared_error)
 
 
 def _solved(
-    height: xr.DataArray,
-    material: Elasticity,
-    *,
-    start: np.ndarray,
-    load: float,
-    threads: int,
-    **options: Any,
-) -> _Solved:
-    """Return the contact of a face under a load (Pa), from the pressure (Pa) of a similar one."""
-    problem = nondimensionalise(height, threads=threads)
+    height: xr.DataArray, material: Elasticity, *, start: np.ndarray, like: xr.Dataset, threads: int
+) -> xr.Dataset:
+    """Return the contact of a face at the load of another one, from the pressure (Pa) of a similar one."""
+    problem, load = nondimensionalise(height, threads=threads), like["mean_pressure"].item()
+    options = {key: like.attrs[key] for key in ("tolerance", "zero_frequency")}
     guess = start / unit_of_pressure(problem, material.modulus)
-    solutions = periodic_solutions(problem, [load], material, start=guess, threads=threads, **options)
-    return _Solved(*next(solutions), problem)
+    found = periodic_solutions(problem, [load], material, start=guess, threads=threads, **options)
+    return load_result(
+        *next(found),
+        problem=problem,
+        window=height,
+        loads={"mean_pressure": load},
+        elasticity=material,
+        attrs=like.attrs,
+    )
 
 
-def _bounds(height: xr.DataArray, solved: _Solved, material: Elasticity) -> tuple[float, float]:
+def _bounds(contact: xr.Dataset, material: Elasticity) -> tuple[float, float]:
     """Return upper bounds of Phi (Pa m) of a face, and of the error of its pressure in the norm of G."""
-    pressure = solved.fields.pressure
+    pressure, height = contact["pressure"].values[0], contact["height"]
     size = _norm(pressure, height, material)
-    missing = solved.solution.error_bound * size
+    missing = contact["error_bound"].item() * size
     return float(np.mean(pressure * height.values)) - (size**2 - missing**2) / 2, missing
 
 
@@ -302,18 +289,9 @@ def running_in_distance(distances: np.ndarray, areas: np.ndarray) -> float:
     return math.nan if last == _STARTS - 1 else float(np.exp(starts[last + 1]))
 
 
-def _numbers(worn: _Worn, first: xr.Dataset, material: Elasticity, settings: Mapping[str, Any]) -> xr.Dataset:
+def _numbers(worn: _Worn, first: xr.Dataset, settings: Mapping[str, Any]) -> xr.Dataset:
     """Return the face, how far it is worn since the `first` contact, and the numbers of its own."""
-    loaded = {"mean_pressure": first["mean_pressure"].item()}
-    contact = load_result(
-        *worn.contact[:3],
-        problem=worn.contact.problem,
-        window=worn.height,
-        loads=loaded,
-        elasticity=material,
-        attrs=first.attrs,
-    )
-    counted = contact_statistics(contact, **settings).isel(load=0)
+    counted = contact_statistics(worn.contact, **settings).isel(load=0)
     numbers = counted[[name for name, variable in counted.variables.items() if not variable.dims]]
     depth = first["height"].values - worn.height.values
     return numbers.reset_coords(drop=True).assign(
@@ -339,12 +317,11 @@ def _check_faces(window: xr.DataArray, wear_coefficient: Any) -> None:
 def _check_distances(sliding_distance: Any) -> list[float]:
     """Return the sliding distances (m) as a rising list, whose first may be 0."""
     given = np.ravel(np.asarray(sliding_distance, dtype=object)).tolist()
-    if given[:1] == [0]:  # the face as it is
-        return [0.0, *(_check_distances(given[1:]) if given[1:] else [])]
-    distances = check_loads("sliding_distance", given, unit="m")
+    later = given[1:] if given[:1] == [0] else given  # 0: the face as it is
+    distances = [] if given == [0] else check_loads("sliding_distance", later, unit="m")
     if any(b <= a for a, b in pairwise(distances)):
         raise SettingsError(
             f"sliding_distance = {given}: give each distance once, in rising order, from 0 on",
             keys=["sliding_distance"],
         )
-    return distances
+    return [0.0] * (len(given) - len(later)) + distances
