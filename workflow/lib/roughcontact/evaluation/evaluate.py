@@ -194,7 +194,7 @@ def contact_table(
     threads : int
         of the solver.
     progress : callable, optional
-        as of `evaluate`: of 16 loads of 512 x 512 points the flow takes most of a minute.
+        as of `evaluate`: of large maps the flow through the gap takes most of the time.
     **contact
         further settings of the section `contact`, such as `hardness`.
 

@@ -36,11 +36,6 @@ def worn_in_a_run(
     `running_in_distance` are numbers, NaN where a part has none.
     """
     wear, contact = settings["wear"], settings["contact"]
-    elastic: dict[str, Any] = (
-        {"bodies": contact["bodies"]}
-        if contact["bodies"]
-        else {"contact_modulus": contact["contact_modulus"]}
-    )
     run: Callable[..., xr.Dataset] = partial(
         run_in,
         wear_coefficient=wear["coefficient"],
@@ -49,8 +44,9 @@ def worn_in_a_run(
         hardness=contact["hardness"],
         influence=contact["influence"],
         zero_frequency=contact["zero_frequency"],
+        bodies=contact["bodies"] or None,
+        contact_modulus=None if contact["bodies"] else contact["contact_modulus"],
         threads=threads,
-        **elastic,
     )
     worn = run(window, tolerance=TOLERANCE, statistics=settings["statistics"])
     fewer = partial(run, statistics=_ANSWERS_ALONE, **FEW_STEPS)

@@ -23,24 +23,18 @@ def wear_of(name: str, worn: str | Path, folder: Path) -> dict[str, Any]:
     from roughcontact.report.map_plots import height_map  # with all that levels maps, for few pages
 
     over = read_dataset(worn)
+    before, after = over.isel(sliding_distance=0), over.isel(sliding_distance=-1)
+    last = {str(name): value.values.item() for name, value in after.variables.items() if not value.dims}
     images = {
-        f"heights {when}": height_map(over["height"].isel(sliding_distance=index)).source()
-        for when, index in (
-            ("before wear", 0),
-            (f"after {number(over['sliding_distance'].values[-1])} m", -1),
-        )
+        "heights before wear": height_map(before["height"]).source(),
+        f"heights after {number(last['sliding_distance'])} m": height_map(after["height"]).source(),
     }
     charts = {TITLES[result]: course_chart(over, result, *_axis(over)) for result in _DRAWN if result in over}
     charts["height parameters"] = _parameters(over)
     images |= {f"{label} over the distance": chart.source() for label, chart in charts.items()}
     settled = [over[f"running_in_distance{suffix}"].item() for suffix in ENDS]
-    last = {
-        str(key): over[key].values[-1].item()
-        for key in ("sliding_distance", "worn_volume", "max_worn_depth", "time_error_bound", "mean_pressure")
-        if key in over
-    }
-    areas = over[AREA].values[[0, -1]].tolist()
-    text = sentence("runs_in", last, settled, areas, over["Sq"].values[[0, -1]].tolist())
+    areas, heights = ([face[name].item() for face in (before, after)] for name in (AREA, "Sq"))
+    text = sentence("runs_in", last, settled, areas, heights)
     return course_section(name, worn, folder, images=images, text=text)
 
 
