@@ -5,17 +5,19 @@ import hashlib
 import re
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jinja2
 from markupsafe import Markup, escape
 
 from roughcontact.arguments.quantities import number, percent, quantity
 
+if TYPE_CHECKING:
+    import jinja2
+
 _TEMPLATES = Path(__file__).with_name("templates")
 
 
-def template(name: str, *, folder: Path | None = None) -> jinja2.Template:
+def template(name: str, *, folder: Path | None = None) -> "jinja2.Template":
     """Return one of the package's templates, those in HTML escaped; a missing variable is an error."""
     return _environment(folder).get_template(name)
 
@@ -38,8 +40,10 @@ def paragraph(text: str) -> str:
 
 
 @cache
-def _environment(folder: Path | None) -> jinja2.Environment:
+def _environment(folder: Path | None) -> "jinja2.Environment":
     """Return where templates are looked for; it keeps those that were read."""
+    import jinja2  # late: what prints numbers alone fills no template
+
     folders = [_TEMPLATES] if folder is None else [folder, _TEMPLATES]
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(folders),

@@ -136,20 +136,21 @@ def _plain_numbers(
     statistics: xr.Dataset, flags: list[list[str]], verdicts: list[tuple[str, list[str]]]
 ) -> dict[str, Any]:
     """Return the numbers of a surface, those of its loads, and the units of both, as plain values."""
+    variables = {str(name): variable for name, variable in statistics.variables.items()}
     # the verdicts stand below in words
-    names = [name for name in map(str, statistics.variables) if not name.endswith("verdict")]
-    surface, per_load = ([n for n in names if statistics[n].dims == dims] for dims in ((), ("load",)))
+    names = [name for name in variables if not name.endswith("verdict")]
+    surface, per_load = ([n for n in names if variables[n].dims == dims] for dims in ((), ("load",)))
     uncertain = [name for name in names if name.endswith("_uncertainty")]
-    by_source = {name: statistics[name].values.tolist() for name in uncertain}
-    sources = statistics["source"].values.tolist() if uncertain else []
+    by_source = {name: variables[name].values.tolist() for name in uncertain}
+    sources = variables["source"].values.tolist() if uncertain else []
     loads = [
-        {name: statistics[name].values[index].item() for name in per_load}
+        {name: variables[name].values[index].item() for name in per_load}
         | {name: dict(zip(sources, by_source[name][index], strict=True)) for name in uncertain}
         | {"flags": flag, "verdict": verdict, "reasons": reasons}
         for index, (flag, (verdict, reasons)) in enumerate(zip(flags, verdicts, strict=True))
     ]
     return {
-        "surface": {name: float(statistics[name]) for name in surface},
+        "surface": {name: float(variables[name]) for name in surface},
         "loads": loads,
         "units": {name: VARIABLES[name][0] for name in (*surface, *per_load, *uncertain)},
     }
