@@ -128,6 +128,8 @@ def test_the_number_of_places_for_ten_percent_is_the_smallest():
     assert planning_line(statistics({"window": 0.09})) == ""
     of_hardness = planning_line(statistics({"hardness": 0.25, "window": 0.3}))
     assert of_hardness == "no number of places, the hardness alone is ± 25.0 %"
+    unbounded = planning_line(statistics({"instrument": np.inf, "window": 0.3}))
+    assert unbounded == "no number of places, the instrument alone has no bound"
 
 
 def test_an_isolated_summit_is_to_be_cleaned_first():

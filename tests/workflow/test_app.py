@@ -36,6 +36,7 @@ from roughcontact.arguments.rectangles import parse_rectangles
 from roughcontact.arguments.settings.fields import field_at, is_list, section_model, setting_base, value_at
 from roughcontact.arguments.settings.models import Body, Settings
 from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.arguments.units import printed
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.interface.app import commands, measurements, server
 from roughcontact.interface.app.jobs import JOBS
@@ -187,7 +188,10 @@ class TestFiveSteps:
                 browser.evaluate("[...document.querySelectorAll('.mistake')].map(e => e.innerText).join('')")
                 == ""
             )
+            assert not browser.evaluate("document.querySelector('#mistakes')")
             click(browser, "[name='page.job'][value=area]")
+            browser.wait("document.querySelector('#mistakes')")
+            assert "choose measured files" in browser.text("#mistakes")
             # 2: files, of which one does not say its unit
             browser.choose_files("#choose", *files)
             rows_read(browser, 3)
@@ -365,7 +369,7 @@ class TestJobs:
             *_, word = name.split(".")
             assert label.lower().endswith(word.replace("_", " "))
             assert len(label) > 3
-            assert unit == (setting_base(field) if field else "")
+            assert unit == (printed(setting_base(field)) if field else "")
             meaning = (
                 field.description
                 if field
@@ -453,7 +457,7 @@ class TestJobs:
         )
         for name, field in leaves(Settings, ""):
             if name in units:
-                assert units[name] == setting_base(field), name
+                assert units[name] == printed(setting_base(field)), name
 
     def test_loads_of_another_question_are_set_aside_and_come_back(self, browser):
         click(browser, "[name='page.job'][value=ball]")

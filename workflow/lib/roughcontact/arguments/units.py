@@ -33,6 +33,7 @@ _QUANTITIES = {
     "K": ("temperature difference", "mK, K"),
     "W": ("heat flow", "mW, W, kW"),
 }
+_RAISED = str.maketrans("23", "²³")
 _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
 _NUMBER_AND_UNIT = re.compile(rf"\s*{_NUMBER}\s*(\S.*)", re.DOTALL)
 
@@ -44,6 +45,21 @@ def spellings(base: str) -> dict[str, float]:
     rows = [line.split("\t") for line in text.splitlines() if line.startswith(f"{base}\t")]
     # µ has two code points, which NFKC makes one
     return {unicodedata.normalize("NFKC", name): float(value) for _, value, *names in rows for name in names}
+
+
+def printed(base: str) -> str:
+    """Return a base unit as it is printed, with a fraction and raised exponents.
+
+    Examples
+    --------
+    >>> [printed(base) for base in ("m3 s-1", "W m-1 K-1", "m2", "Pa-1", "Pa s", "")]
+    ['m³/s', 'W/(m K)', 'm²', '1/Pa', 'Pa s', '']
+    """
+    above, below = [], []
+    for name, sign, power in re.findall(r"([A-Za-z]+)(-?)(\d*)", base):
+        (below if sign else above).append(name + power.replace("1", "").translate(_RAISED))
+    divisor = " ".join(below) if len(below) < 2 else f"({' '.join(below)})"
+    return f"{' '.join(above) or 1}/{divisor}" if below else " ".join(above)
 
 
 def unit_factor(unit: object, base: str) -> float | None:

@@ -232,12 +232,13 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     """Return a number of a load, its interval, and how well it is known; of a limited one the limit."""
     factor, symbol = units[name]
     text, _, interval = number_text(numbers, name, units[name], index).partition(" ")
+    shown = f"{text} {symbol}".rstrip()
     has_range = "hardness_lower" in numbers
     is_hardness = name == PEAK and bool(hardness_reached(numbers)[index])
     if is_hardness and not has_range:
-        return Cell(f"{text} {symbol}", "the hardness, taken as exact")
+        return Cell(shown, "the hardness, taken as exact")
     if lacks_interval(numbers, name):
-        return Cell(f"{text} {symbol}", _NO_INTERVAL)
+        return Cell(shown, _NO_INTERVAL)
     limited = name in QUANTITIES and QUANTITIES[name].limits is not None and PEAK in numbers
     share = numbers.get("load_share_above_hardness")  # of a group of maps it is not known
     flows = limited and bool((hardness_reached(numbers) if share is None else np.greater(share, 0))[index])
@@ -250,7 +251,7 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     if name == GAP and min(value, upper) < CLOSED * factor:  # a NaN end is no smaller
         open_elsewhere = f"up to {Unit(1.0, symbol).text(upper)}" if upper >= CLOSED * factor else ""
         return Cell(_CLOSED, open_elsewhere, precision="" if open_elsewhere else "to 1 nm")
-    return Cell(f"{text} {symbol}", interval.strip("()"), precision=precision, remark=remark)
+    return Cell(shown, interval.strip("()"), precision=precision, remark=remark)
 
 
 def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:

@@ -65,7 +65,8 @@ def planning_line(statistics: xr.Dataset) -> str:
         return f"{counted_noun(places, 'place')} of this size in all"
     if shared_error >= _PLANNED:
         largest = max(widths, key=widths.__getitem__)
-        return f"no number of places, the {largest} alone is ± {percent(shared_error)}"
+        width = f"is ± {percent(shared_error)}" if math.isfinite(shared_error) else "has no bound"
+        return f"no number of places, the {largest} alone {width}"
     return f"more than {_MAX_MAPS} places of this size"
 
 

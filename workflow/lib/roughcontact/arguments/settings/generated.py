@@ -12,6 +12,7 @@ from pydantic.fields import FieldInfo
 from roughcontact.arguments.quantities import Unit, percent, quantity
 from roughcontact.arguments.settings.fields import section_model, setting_base, setting_choices
 from roughcontact.arguments.settings.models import Contact, Section, Settings
+from roughcontact.arguments.units import printed
 
 _HEAD = """\
 # yaml-language-server: $schema=../workflow/schemas/config.schema.json
@@ -20,13 +21,10 @@ _HEAD = """\
 # key has its default. config/README.md explains settings and table of surfaces.
 """
 _QUOTED = re.compile(r"[,:#\[\]{}\"'&*!|>%@`]")  # in a text: it has a meaning in YAML
-# units of which powers of ten are shown in the page's, or without exponents
+# what is shown in other units than those of the settings
 _PRINTED = {
     "m2": Unit(1e6, "mm²"),
     "m3 s-1": Unit(3.6e9, "ml/h"),
-    "W m-1 K-1": Unit(1.0, "W/(m K)"),
-    "J m-2": Unit(1e3, "mJ/m²"),
-    "m s-1": Unit(1.0, "m/s"),
     "m2 s-1": Unit(1e6, "mm²/s"),
     "Ohm": Unit(1e3, "mΩ"),
     "Ohm m2": Unit(1e12, "µΩ mm²"),
@@ -211,4 +209,4 @@ def value_text(value: Any, field: FieldInfo, *, name: str = "") -> str:
 
 def _with_unit(value: float, unit: str) -> str:
     """Return a value (SI) with a unit that people read."""
-    return _PRINTED[unit].text(value) if unit in _PRINTED else quantity(value, unit)
+    return _PRINTED[unit].text(value) if unit in _PRINTED else quantity(value, printed(unit))
