@@ -132,6 +132,11 @@ def test_the_number_of_places_for_ten_percent_is_the_smallest():
     assert unbounded == "no number of places, the instrument alone has no bound"
 
 
+def test_what_is_known_to_a_percent_need_not_be_halved():
+    assert halving_line(statistics({"window": 0.0099})) == ""
+    assert "more place" in halving_line(statistics({"window": 0.0101}))
+
+
 def test_an_isolated_summit_is_to_be_cleaned_first():
     line = halving_line(statistics({"window": 0.3}, ["Isolated peak"], summit_x=2e-6, summit_y=3e-6))
     assert line.startswith("clean the summit at (2.00 µm, 3.00 µm); measure ")

@@ -19,6 +19,7 @@ from roughcontact.uncertainty.scales import AREA, GAP, from_scale, to_scale
 
 _TYPICAL_AREA = 0.1  # the load with the contact area nearest to it is improved
 _MAX_MAPS = 100
+_NARROW = 0.01  # relative half-width that nobody need halve, as that of full contact
 _PLANNED = 0.1  # relative half-width that the number of places is told for
 ADVICE = {
     "solver": "set contact.tolerance to a tenth",
@@ -102,12 +103,12 @@ def _typical_load(statistics: xr.Dataset) -> int:
 
 
 def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
-    """Return what would halve the interval of the contact area near 10 %; empty without an interval.
+    """Return what would halve the interval of the contact area near 10 %; empty without one, or if narrow.
 
     `overview` says whether a coarser map around this one can be measured, where there is none.
     """
     value, half_width, widths = _known(statistics)
-    if math.isnan(value):
+    if math.isnan(value) or half_width <= _NARROW:
         return ""
     first_steps, advice = _advice(statistics)
     of_window = widths.get("window", 0.0)
