@@ -1,5 +1,7 @@
 """The tables of the report: each cell is the number it is called after, with its sign and in its unit."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -8,6 +10,7 @@ from roughcontact.arguments.answers import UNITS
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.report.glance import Cell, glance_rows, loads_to_compare
 from roughcontact.report.tables import number_tables
+from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 
 # of one load: variable -> value in SI, and as the tables of a steel part of 1 mm write it, with its unit
@@ -137,3 +140,10 @@ def test_every_number_of_the_tables_has_a_unit_of_its_dimension(name, unit):
     """Such as the kelvins of flash temperatures; "%" and "m along" are ways to write a share and a length."""
     assert unit_of(xr.Dataset(), unit).factor > 0
     assert unit.replace("%", "1").removesuffix(" along") == VARIABLES[name][0]
+
+
+def test_a_cell_of_a_page_shows_all_its_parts():
+    cell = Cell("1.43 %", "−0.2 +0.3", precision="to ± 20 %", remark="hardness taken as exact")
+    shown = re.sub(r"<[^>]*>", "|", str(template("cell.html").module.content(cell)))
+    assert re.split(r"\|+", shown.strip("|")) == [cell.text, cell.details, cell.precision, cell.remark]
+    assert str(template("cell.html").module.content(Cell("no"))) == "no"
