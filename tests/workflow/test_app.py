@@ -389,6 +389,57 @@ class TestJobs:
             assert len(column_meaning(column)) > 20
         picture(browser, f"app-job-{job}")
 
+    def test_more_has_every_setting_once(self, browser):
+        click(browser, "[name='page.job'][value=ball]")
+        browser.wait("document.querySelector('#fields h2').textContent === '3 Ball on flat'")
+        browser.evaluate("document.querySelectorAll('details').forEach(part => { part.open = true; })")
+        names = browser.evaluate(
+            "[...document.querySelectorAll('[data-field]')].map(field => field.dataset.field)"
+        )
+        assert len(names) == len({*names})
+        expected = {
+            re.sub(r"\.layers\.0\..*", "", name) for name, _ in leaves(Settings, "") if ".layers." not in name
+        }
+        assert {name for name in names if not name.startswith("contact.bodies.1.")} - {
+            "contact.bodies.0.material"
+        } == expected - {"surfaces"}
+        empty = "part => !part.querySelector('label')?.innerText || !part.querySelector('.meaning').innerText"
+        assert browser.evaluate(f"[...document.querySelectorAll('[data-field]')].filter({empty}).length") == 0
+        units = browser.evaluate(
+            "Object.fromEntries([...document.querySelectorAll('[data-field]')].map(field => "
+            "[field.dataset.field, field.querySelector('.unit').innerText]))"
+        )
+        for name, field in leaves(Settings, ""):
+            if name in units:
+                assert units[name] == printed(setting_base(field)), name
+
+    def test_loads_of_another_question_are_set_aside_and_come_back(self, browser):
+        click(browser, "[name='page.job'][value=ball]")
+        browser.wait("document.querySelector('#fields h2').textContent === '3 Ball on flat'")
+        fill(browser, "contact.force", "5 N")
+        fill(browser, "form.radius", "5 mm")
+        saved(browser)
+        config = lambda: yaml.safe_load(browser.text("#preview pre"))  # noqa: E731
+        assert config()["contact"] == {"boundary": "free", "force": ["5 N"]}
+        click(browser, "[name='page.job'][value=seal]")
+        browser.wait("document.querySelector('#fields h2').textContent === '3 Does it seal?'")
+        assert "contact" not in (config() or {})
+        fill(browser, "contact.mean_pressure", "2,5 MPa")
+        browser.wait("document.querySelector(\"[data-of='contact.mean_pressure']\").textContent")
+        assert "write a decimal point, not a comma" in browser.text("[data-of='contact.mean_pressure']")
+        assert config()["contact"]["mean_pressure"] == ["2,5 MPa"]
+        fill(browser, "contact.mean_pressure", "2.5 MPa")
+        click(browser, "[name='page.job'][value=ball]")
+        browser.wait("document.getElementById('contact.force.0')?.value === '5 N'")
+        assert browser.evaluate("document.getElementById('form.radius.0').value") == "5 mm"
+        assert config()["contact"] == {"boundary": "free", "force": ["5 N"]}
+
+
+class TestJobsToTheirAnswers:
+    """Each question on a page of its own, from an empty folder."""
+
+    pytestmark = in_browser
+
     @pytest.mark.slow
     @pytest.mark.parametrize("job", JOBS)
     def test_from_an_empty_folder_to_its_answer(self, job, tmp_path, chromium):
@@ -434,51 +485,6 @@ class TestJobs:
             assert ANSWERS[job] in main_results, main_results
             assert len(steps) <= 12
             assert chromium.problems == []
-
-    def test_more_has_every_setting_once(self, browser):
-        click(browser, "[name='page.job'][value=ball]")
-        browser.wait("document.querySelector('#fields h2').textContent === '3 Ball on flat'")
-        browser.evaluate("document.querySelectorAll('details').forEach(part => { part.open = true; })")
-        names = browser.evaluate(
-            "[...document.querySelectorAll('[data-field]')].map(field => field.dataset.field)"
-        )
-        assert len(names) == len({*names})
-        expected = {
-            re.sub(r"\.layers\.0\..*", "", name) for name, _ in leaves(Settings, "") if ".layers." not in name
-        }
-        assert {name for name in names if not name.startswith("contact.bodies.1.")} - {
-            "contact.bodies.0.material"
-        } == expected - {"surfaces"}
-        empty = "part => !part.querySelector('label')?.innerText || !part.querySelector('.meaning').innerText"
-        assert browser.evaluate(f"[...document.querySelectorAll('[data-field]')].filter({empty}).length") == 0
-        units = browser.evaluate(
-            "Object.fromEntries([...document.querySelectorAll('[data-field]')].map(field => "
-            "[field.dataset.field, field.querySelector('.unit').innerText]))"
-        )
-        for name, field in leaves(Settings, ""):
-            if name in units:
-                assert units[name] == printed(setting_base(field)), name
-
-    def test_loads_of_another_question_are_set_aside_and_come_back(self, browser):
-        click(browser, "[name='page.job'][value=ball]")
-        browser.wait("document.querySelector('#fields h2').textContent === '3 Ball on flat'")
-        fill(browser, "contact.force", "5 N")
-        fill(browser, "form.radius", "5 mm")
-        saved(browser)
-        config = lambda: yaml.safe_load(browser.text("#preview pre"))  # noqa: E731
-        assert config()["contact"] == {"boundary": "free", "force": ["5 N"]}
-        click(browser, "[name='page.job'][value=seal]")
-        browser.wait("document.querySelector('#fields h2').textContent === '3 Does it seal?'")
-        assert "contact" not in (config() or {})
-        fill(browser, "contact.mean_pressure", "2,5 MPa")
-        browser.wait("document.querySelector(\"[data-of='contact.mean_pressure']\").textContent")
-        assert "write a decimal point, not a comma" in browser.text("[data-of='contact.mean_pressure']")
-        assert config()["contact"]["mean_pressure"] == ["2,5 MPa"]
-        fill(browser, "contact.mean_pressure", "2.5 MPa")
-        click(browser, "[name='page.job'][value=ball]")
-        browser.wait("document.getElementById('contact.force.0')?.value === '5 N'")
-        assert browser.evaluate("document.getElementById('form.radius.0').value") == "5 mm"
-        assert config()["contact"] == {"boundary": "free", "force": ["5 N"]}
 
 
 class TestMap:
