@@ -55,7 +55,7 @@ def printed(base: str) -> str:
     >>> [printed(base) for base in ("m3 s-1", "W m-1 K-1", "m2", "Pa-1", "Pa s", "")]
     ['m³/s', 'W/(m K)', 'm²', '1/Pa', 'Pa s', '']
     """
-    above, below = [], []
+    above, below = list[str](), list[str]()
     for name, sign, power in re.findall(r"([A-Za-z]+)(-?)(\d*)", base):
         (below if sign else above).append(name + power.replace("1", "").translate(_RAISED))
     divisor = " ".join(below) if len(below) < 2 else f"({' '.join(below)})"
