@@ -45,6 +45,23 @@ def test_persson_is_exact_for_a_wave_in_full_contact():
     assert float(sliding["octave_wavelength"][at]) == pytest.approx(16 * PITCH)
 
 
+def test_the_last_octave_is_the_shortest_that_was_measured():
+    """Up to four pixels, or twice the wavelength at which the spectrum or the band of the map ends."""
+    face = rough(64, shortest=3e-6)
+    sliding = slide(face, 1e-2).isel(speed=0)
+    assert float(sliding["last_octave_wavelength"]) == pytest.approx(4 * PITCH)
+    first = sliding["friction_share_of_octave"].values[:2].sum()
+    assert 0.02 < float(sliding["friction_share_of_last_octave"]) == pytest.approx(first)
+    for attrs in (
+        {"spectrum_end": 6e-6, "spectrum_exponent": -20.0},
+        {"spectrum_end": 6e-6, "spectrum_exponent": -3.0, "band_shortest": 6e-6},
+    ):
+        smooth = slide(face.assign_attrs(attrs), 1e-2).isel(speed=0)
+        assert float(smooth["last_octave_wavelength"]) == pytest.approx(12 * PITCH)
+        to_16 = smooth["friction_share_of_octave"].values[:4].sum()
+        assert 2 * first < float(smooth["friction_share_of_last_octave"]) < to_16
+
+
 def test_slow_rubber_has_the_numbers_of_the_contact_at_rest():
     face = rough()
     sliding = slide(face, "1e-12 m/s", seal=SEAL, shear_strength="1 MPa").isel(speed=0)

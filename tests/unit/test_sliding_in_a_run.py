@@ -103,6 +103,7 @@ def test_the_page_says_where_friction_is_highest(slid, tmp_path):
     speed = SPEEDS[int(slid[FRICTION].values.argmax())]
     assert f"the friction of the hysteresis is highest at {speed:.2g}" in text.replace("0.0100", "0.01")
     assert "Proven: the solver leaves no error of μ above" in text
+    assert "Waves up to 4.00 µm, the shortest octave that was measured, make " in text
     assert "The friction warms the contact by less than 10 K at all speeds." in text
     assert part["link"] == "sliding.nc"
     hot = slid.assign(max_flash_temperature=("speed", [1.0, 100.0, 1e4]))

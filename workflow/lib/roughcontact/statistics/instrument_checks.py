@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.io.instrument_kinds import PROBE, UNKNOWN, Kind, of_name
@@ -17,7 +18,7 @@ from roughcontact.statistics.map_checks import Attributes
 from roughcontact.statistics.outcome import Check, not_made, passed, review
 from roughcontact.surface.levelling.record import s_index
 from roughcontact.surface.roughness.traces import MAX_GRADIENT
-from roughcontact.surface.window.band import is_limited_by_grid
+from roughcontact.surface.window.band import is_limited_by_grid, shortest_reliable_wave
 
 # Self-affine surfaces fall with an exponent of -2 to -4, those with a bounded curvature with -6; measured
 # maps that no filter touched reach -5.7. Filters, lenses and interpolation reach -8 to -20.
@@ -58,6 +59,13 @@ _SMOOTHED_MEANS = (
 )
 _FEW_WAVES = "Not made: too few waves to judge the spectrum by."
 _PERIODIC_MAP = "Not made: the map is periodic as it is, as made ones are."
+
+
+def shortest_measured_wave(window: xr.DataArray) -> float:
+    """Return the shortest wavelength (m) of a window: of its pixels and band, or where its spectrum ends."""
+    ends = window.attrs.get("spectrum_exponent", 0.0) < SPECTRUM_ENDS
+    spectrum_end = window.attrs["spectrum_end"] if ends else 0.0
+    return max(2 * max(spacing(window)), shortest_reliable_wave(window), spectrum_end)
 
 
 def smoothed(window: Attributes) -> Check:

@@ -23,6 +23,7 @@ from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.kernels.fourier import halfplane_weights, wavenumbers, wavevectors
 from roughcontact.kernels.waves import wave_power
 from roughcontact.statistics.contact_geometry import relative_contact_area
+from roughcontact.statistics.instrument_checks import shortest_measured_wave
 from roughcontact.statistics.sealing.flow import flow_columns, leak_columns
 from roughcontact.statistics.sealing.percolation import percolation_columns
 
@@ -86,7 +87,8 @@ def sliding_friction(
     Dataset
         over `speed`: `hysteretic_friction_coefficient` and the proven bound of its error by the solver,
         `hysteretic_friction_bound`; `error_bound`; area, pressures and gap as `contact_statistics` has them;
-        the share of the friction that each octave of wavelengths makes, `friction_share_of_octave`, and
+        the share of the friction that each octave of wavelengths makes, `friction_share_of_octave`, the last
+        one that was measured, up to `last_octave_wavelength` (m), `friction_share_of_last_octave`, and
         frequencies outside the table, `friction_share_beyond_table`; and `persson_friction_coefficient` [1]_.
         The attribute `relaxation_misfit` is the rms relative difference of the table from a causal material.
 
@@ -156,6 +158,7 @@ def sliding_friction(
         rows.append(xr.Dataset(row, coords=window.coords if fields else None))
     over = xr.concat(rows, xr.Variable("speed", speeds), coords="minimal", compat="override")
     over["octave_wavelength"] = "octave", 2 * max(spacing(window)) * 2.0 ** np.arange(over.sizes["octave"])
+    over["last_octave_wavelength"] = 2 * shortest_measured_wave(window)
     attributes = {"direction": float(direction), "relaxation_misfit": rubber.misfit, "tolerance": accuracy}
     return describe(over.assign_coords(mean_pressure=load).assign_attrs(attributes))
 
@@ -177,6 +180,7 @@ def _numbers(
     # octaves of wavelengths from two pixels on; the few shorter waves, oblique ones, count to the first
     shortest = np.divide(np.pi / max(steps), length, out=np.ones_like(length), where=length > 0)
     octave = np.maximum(0, np.ceil(np.log2(shortest) - 1e-9)).astype(int)
+    last_octave = 2 * shortest_measured_wave(window) * (1 + 1e-9)
     outside_table = (frequency < rubber.frequencies[0]) | (frequency > rubber.frequencies[1])
     shares = np.bincount(octave.ravel(), of_waves.ravel()) / (friction or 1.0)
     numbers: dict[str, Any] = {
@@ -189,6 +193,8 @@ def _numbers(
         PEAK: float(pressure.max()),
         GAP: float(gap.mean()),
         "friction_share_of_octave": ("octave", shares),
+        "friction_share_of_last_octave": float(of_waves[length * last_octave >= 2 * np.pi].sum())
+        / (friction or 1.0),
         "friction_share_beyond_table": float(of_waves[outside_table].sum()) / (friction or 1.0),
     }
     if seal is not None:
