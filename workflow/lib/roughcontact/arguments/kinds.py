@@ -137,17 +137,17 @@ class KindFacts:
         section = "" if name in self.admitted else name.partition(".")[0]
         return next((rules[key] for key in (setting, name, section) if key in rules), "")
 
-    def check_arguments(self, stated: Collection[str], properties: Collection[str] = ()) -> None:
+    def check_arguments(self, keys: Collection[str], properties: Collection[str] = ()) -> None:
         """Raise SettingsError for the first stated argument of `solve_contact` that does not apply."""
-        for name in stated:
+        for name in keys:
             reason = self.reason_against(name) or self.reason_against(f"contact.{name}", properties)
             if reason:
                 raise SettingsError(f"{name}, boundary {self.boundary!r}: {reason}", keys=(name,))
 
-    def mistakes_in_loads(self, stated: Collection[str], where: str) -> Iterator[tuple[str, str]]:
-        """Yield the name and the mistake of loads among the `stated` keys of the section `contact`."""
-        if len({"force", "area"} & {*stated}) == 1:
-            missing, present = ("area", "force") if "force" in stated else ("force", "area")
+    def mistakes_in_loads(self, keys: Collection[str], where: str) -> Iterator[tuple[str, str]]:
+        """Yield the name and the mistake of loads among the `keys` of the section `contact`."""
+        if len({"force", "area"} & {*keys}) == 1:
+            missing, present = ("area", "force") if "force" in keys else ("force", "area")
             text = f": missing, though {present} is given; mean pressure is force by area"
             yield f"{where}.{missing}", text
 
@@ -166,10 +166,10 @@ class KindFacts:
 class FiniteBodyFacts(KindFacts):
     """The facts of a body of finite size, which has no neighbours and stands under a force."""
 
-    def mistakes_in_loads(self, stated: Collection[str], where: str) -> Iterator[tuple[str, str]]:
+    def mistakes_in_loads(self, keys: Collection[str], where: str) -> Iterator[tuple[str, str]]:
         """Yield that the force is missing."""
-        pressures = [key for key in ("mean_pressure", "relative_pressure") if key in stated]
-        if self.load not in stated:
+        pressures = [key for key in ("mean_pressure", "relative_pressure") if key in keys]
+        if self.load not in keys:
             instead = f" instead of the {pressures[0]}" if pressures else ""
             yield f"{where}.force", f": missing, though boundary is free; give the force in N{instead}"
 
@@ -182,7 +182,7 @@ class LocalScaleFacts(KindFacts):
         """Return whether the section `form` has a form that is wider than the map."""
         return bool(form.get("local_scale"))
 
-    def mistakes_in_loads(self, stated: Collection[str], where: str) -> Iterator[tuple[str, str]]:
+    def mistakes_in_loads(self, keys: Collection[str], where: str) -> Iterator[tuple[str, str]]:
         """Yield nothing: the force on the form is the load."""
         yield from ()
 

@@ -100,6 +100,7 @@ def compare_areas(
     surfaces: dict[str, dict[str, Any]] = {}
     cases: dict[str, dict[str, Any]] = {}
     for index, (name, load, area) in enumerate(series):
+        # rising loads: a line goes from one to the next
         order = np.argsort(load)
         surface, case = styles[index] if styles else (index, 0)
         of_surface, _, of_case = name.partition(" · ")
@@ -130,6 +131,7 @@ def group_areas(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> str
         style = _style(index)
         # groups are apart by a little at each load, so that none hides another
         shift = np.exp(2 * room * (index - (len(groups) - 1) / 2))
+        # a little apart in the logarithm, as far to either side
         load = answer["mean_pressure"].values * pressure.factor * shift
         area, *bounds = (100 * values for values in interval_values(answer, AREA))
         for of_map in answer[f"{AREA}_of_maps"].values:
@@ -142,6 +144,7 @@ def group_areas(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> str
 
 def _style(index: int) -> dict[str, Any]:
     """Return colour and marker of one of several series."""
+    # another marker when the colours begin again
     marker = MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
     return {"colour": COLOURS[index % len(COLOURS)], "marker": marker}
 
@@ -162,6 +165,7 @@ def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]
     areas = np.concatenate([area for group in groups.values() for _, area in group])
     images = {}
     for index, (name, group) in enumerate(groups.items()):
+        # the same axes in every chart, so that they can be laid side by side
         chart = _area_chart(loads, areas, title=name)
         colour = COLOURS[index % len(COLOURS)]
         line = np.geomspace(min(load.min() for load, _ in group), max(load.max() for load, _ in group), 60)
@@ -169,8 +173,10 @@ def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]
         for load, area in group:
             order = np.argsort(load)
             chart.line(load[order], 100 * area[order], colour=f"{colour}38", width=0.8)
+            # an area of zero has no logarithm
             logs = np.log(load[order]), np.log(np.maximum(area[order], 1e-300))
             curves.append(np.exp(np.interp(np.log(line), *logs, left=np.nan, right=np.nan)))
+        # a median of half of the surfaces at least: beyond, it would jump with each that ends
         available = np.isfinite(curves).sum(axis=0) >= max(len(group) / 2, 1)
         median = np.full(line.size, np.nan)
         median[available] = np.nanmedian(np.array(curves)[:, available], axis=0)
@@ -194,7 +200,7 @@ def _theory_lines(chart: Chart, loads: np.ndarray, unit: float = 1.0) -> np.ndar
 
 def _area_chart(loads: np.ndarray, areas: np.ndarray, *, label: str = _RELATIVE, **options: Any) -> Chart:
     """Return the log-log axes of area (percent) against load that hold these shares; `options` of `Chart`."""
-    lowest = max(np.min(areas[areas > 0], initial=1.0) / 2, 1e-8)
+    lowest = max(np.min(areas[areas > 0], initial=1.0) / 2, 1e-8)  # down to half of the smallest area
     y = Axis("contact area (%)", 100 * lowest, 140.0, log=True)
     return Chart(log_axis(label, loads), y, **options)
 
@@ -243,6 +249,7 @@ def _load_chart(
     results = [[values * unit.factor for values in interval_values(statistics, name)] for name, *_ in lines]
     at_limit, limit_label = limit[0] * unit.factor, limit[1]
     all_values = np.concatenate([*(values for result in results for values in result), [at_limit]])
+    # a gap that is closed but for rounding would make the axis endless
     all_values[all_values < 1e-5 * np.nanmax(all_values)] = np.nan
     y = log_axis(f"{label} ({unit.symbol})", all_values, room=1.6)
     x = log_axis(load_label(pascals), load)
@@ -266,6 +273,7 @@ def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart
 def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart:
     """Draw the distribution of the gap at the loads of these indices, points out of contact only."""
     open_share, gap = 1 - statistics["relative_contact_area_pixels"].values, statistics["mean_gap"].values
+    # over the open area alone: contact has no gap
     mean = np.divide(gap, open_share, out=np.full(gap.shape, np.nan), where=open_share > 0)
     return _distribution(statistics, loads, "gap", mean)
 
@@ -276,6 +284,7 @@ def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart:
     The share of the contact per factor e of the area a of a patch, a² P(a)/⟨a⟩, pixels counted.
     """
     bounds = statistics["patch_bin_bounds"].values
+    # the first bin begins at zero: half of its end stands for its middle
     middles = np.sqrt(np.maximum(bounds[:, 0], bounds[:, 1] / 2) * bounds[:, 1])
     by_area = statistics["patch_area_density"].transpose("load", "patch_bin") * middles
     share = by_area / (by_area * np.diff(bounds, axis=1).ravel()).sum("patch_bin")

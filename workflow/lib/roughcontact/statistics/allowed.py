@@ -106,15 +106,15 @@ def with_allowed(
     >>> found["leak_holds"].values, round(found["leak_holds_from"].item() / 1e6, 2)
     (array([0., 1.]), 1.41)
     """
-    stated: dict[str, Any] = {"area": area}
+    properties: dict[str, Any] = {"area": area}
     for section in (settings, settings.get("seal") or {}, settings.get("joint") or {}):
-        stated |= {key: entry for key, entry in section.items() if entry is not None}
+        properties |= {key: entry for key, entry in section.items() if entry is not None}
     for name, limit in (settings.get("requirement") or {}).items():
-        stated |= {} if limit is None else {f"allowed_{name}": limit}
-    complete = statistics.assign(_totals(statistics, stated))
+        properties |= {} if limit is None else {f"allowed_{name}": limit}
+    complete = statistics.assign(_totals(statistics, properties))
     columns: dict[str, Any] = {}
     for name, allowed in ALLOWED_VALUES.items():
-        limit = stated.get(f"allowed_{name}")
+        limit = properties.get(f"allowed_{name}")
         if limit is None or not any(number in complete for number in allowed.numbers):
             continue
         crossing = compare(
@@ -146,15 +146,15 @@ def compared_ends(statistics: xr.Dataset, name: str) -> np.ndarray:
         return ends if allowed.sense > 0 else 1 / ends[[0, 2, 1]]
 
 
-def _totals(statistics: xr.Dataset, stated: Mapping[str, Any]) -> dict[str, xr.DataArray]:
+def _totals(statistics: xr.Dataset, properties: Mapping[str, Any]) -> dict[str, xr.DataArray]:
     """Return the totals, with their ends, of what is stated of seal or joint."""
     numbers = statistics.assign(_resistance_of_joint(statistics))
     return {
         f"{total}{suffix}": numbers[f"{name}{suffix}"]
-        * np.prod([stated[key] ** power for key, power in powers.items()])
+        * np.prod([properties[key] ** power for key, power in powers.items()])
         for total, (name, powers) in TOTALS.items()
         for suffix in ENDS
-        if f"{name}{suffix}" in numbers and all(stated.get(key) for key in powers)
+        if f"{name}{suffix}" in numbers and all(properties.get(key) for key in powers)
     }
 
 

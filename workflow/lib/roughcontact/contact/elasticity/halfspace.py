@@ -76,6 +76,7 @@ class HalfSpace:
     def compliances(self) -> tuple[float, float]:
         """The mean and the largest value of the symbol 2/|q| of G over the half-plane without q = 0."""
         values, xp = self._symbol(SINGLE), namespace(self._like)
+        # q = 0, which has no operator, counts as nothing
         values = xp.where(xp.isfinite(values), values, xp.zeros_like(values))
         return float(xp.mean(values)), float(xp.max(values))
 
@@ -99,6 +100,7 @@ class HalfSpace:
         precision = get_precision(displacement)
         spectrum = self._transform(displacement)
         energy = self._kernels.divide(spectrum, self._symbol(precision), self._wave_counts(precision))
+        # Parseval: of a transform without a factor
         return spectrum, float(energy) / n_elements(displacement) ** 2
 
     def spectrum_to_field(self, spectrum: Array, precision: str, *, out: Array | None = None) -> Array:
@@ -120,7 +122,7 @@ class HalfSpace:
         self._plans.clear()
 
     def _transform(self, field: Array) -> Array:
-        self.applications += 0.5
+        self.applications += 0.5  # half an application: a pair of transforms is one
         return self._plan(get_precision(field)).forward(field)
 
     def _plan(self, precision: str) -> Plan:
@@ -134,6 +136,7 @@ class HalfSpace:
     def _symbol(self, precision: str) -> Array:
         """Return the symbol of G, shape (ny, nx//2 + 1); both operators suppress q = 0."""
         if precision not in self._symbols:
+            # of the cell, in the unit of the lengths
             spacing = self.lengths[0] / self.shape[0], self.lengths[1] / self.shape[1]
             qy, qx = (q.astype(precision) for q in wavevectors(self.shape, spacing))
             self._symbols[precision] = self.elasticity.symbol(qy, qx, spacing, self._like)
