@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -318,52 +319,6 @@ def test_the_table_of_cuts_holds_that_of_the_whole_surface():
     assert np.mean(inside) >= 0.9
 
 
-BLOCKS = """\
-*NODE, NSET=ALL
-{nodes}
-*ELEMENT, TYPE=C3D8, ELSET=BLOCKS
-1, 1, 2, 3, 4, 5, 6, 7, 8
-2, 9, 10, 11, 12, 13, 14, 15, 16
-*MATERIAL, NAME=STEEL
-*ELASTIC
-210000., 0.
-*CONDUCTIVITY
-50.
-*SOLID SECTION, ELSET=BLOCKS, MATERIAL=STEEL
-*SURFACE, NAME=LOWER
-1, S2
-*SURFACE, NAME=UPPER
-2, S1
-*SURFACE INTERACTION, NAME=ROUGH
-{law}
-*CONTACT PAIR, INTERACTION=ROUGH, TYPE={kind} TO SURFACE
-UPPER, LOWER
-*NSET, NSET=BOTTOM
-1, 2, 3, 4
-*NSET, NSET=TOP
-13, 14, 15, 16
-*NSET, NSET=FACES
-5, 9
-*INITIAL CONDITIONS, TYPE=TEMPERATURE
-ALL, 0.
-*BOUNDARY
-ALL, 1, 2
-BOTTOM, 3, 3
-BOTTOM, 11, 11, 0.
-*STEP, INC=1000, NLGEOM
-*COUPLED TEMPERATURE-DISPLACEMENT, STEADY STATE
-0.1, 1., 1e-6, 0.1
-*BOUNDARY
-TOP, 3, 3, {closing:.9g}
-TOP, 11, 11, 100.
-*NODE PRINT, NSET=TOP, TOTALS=ONLY
-RF, RFL
-*NODE PRINT, NSET=FACES
-U, NT
-*END STEP
-"""
-
-
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="needs CalculiX (Debian: calculix-ccx)")
 @pytest.mark.parametrize("hardness", ["none", "200 MPa"])
@@ -393,9 +348,9 @@ def test_finite_elements_return_the_contact_law(tmp_path, hardness):
 
     def pressed(rows, kind, closing):
         """Return what CalculiX prints: pressure, what the faces have come closer, heat over difference."""
-        (tmp_path / "blocks.inp").write_text(
-            BLOCKS.format(nodes=nodes, law=rows, kind=kind, closing=-closing)
-        )
+        blocks = Path(__file__).with_name("scripts") / "blocks.inp"
+        text = blocks.read_text().format(nodes=nodes, law=rows, kind=kind, closing=-closing)
+        (tmp_path / "blocks.inp").write_text(text)
         subprocess.run(["ccx", "blocks"], cwd=tmp_path, check=True, capture_output=True)
         printed = (tmp_path / "blocks.dat").read_text()
 

@@ -23,19 +23,15 @@ from roughcontact.uncertainty.budget_inputs import budget_inputs
 ROWS = 192
 
 
+def whole(seed, hurst=0.8, shortest=6.0, longest=96.0, stretch=1.0):
+    """Return heights of a periodic surface of unit rms height."""
+    waves = {"hurst": hurst, "shortest": shortest, "longest": longest, "stretch": stretch}
+    return self_affine_surface((2 * ROWS, 2 * ROWS), 1.0, **waves, rms_height=1.0, seed=seed).values
+
+
 def rough(hurst=0.8, shortest=6.0, longest=96.0, seed=0, stretch=1.0):
     """Return heights of a part of a larger surface, of unit rms height."""
-    surface = self_affine_surface(
-        (2 * ROWS, 2 * ROWS),
-        1.0,
-        hurst=hurst,
-        shortest=shortest,
-        longest=longest,
-        rms_height=1.0,
-        seed=seed,
-        stretch=stretch,
-    )
-    part = surface.values[:ROWS, :ROWS]
+    part = whole(seed, hurst, shortest, longest, stretch)[:ROWS, :ROWS]
     return part / part.std()
 
 
@@ -237,19 +233,6 @@ def test_statistics_carry_the_figure():
 def masters():
     """Return (name, heights) of twelve periodic surfaces, 384 x 384."""
     size = 2 * ROWS
-
-    def whole(seed, hurst=0.8, shortest=6.0, longest=96.0, stretch=1.0):
-        return self_affine_surface(
-            (size, size),
-            1.0,
-            hurst=hurst,
-            shortest=shortest,
-            longest=longest,
-            rms_height=1.0,
-            seed=seed,
-            stretch=stretch,
-        ).values
-
     y, x = np.indices((size, size))
     normal = whole(1)
     rank = np.clip(stats.norm.cdf(normal), 1e-6, 1 - 1e-6)

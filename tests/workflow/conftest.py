@@ -3,7 +3,7 @@
 import shutil
 
 import pytest
-from small_project import ROOT, Project, write_maps
+from small_project import QUICK, ROOT, Project, write_maps
 
 collect_ignore = ["conda_environment.py"]  # a program that needs conda's parser: .ci/run installs it
 
@@ -25,6 +25,17 @@ def finished(tmp_path_factory, checkout):
     project.write()
     project.first = project.run()
     assert project.first.returncode == 0, project.first.stderr
+    return project
+
+
+@pytest.fixture(scope="session")
+def finished_quickly(tmp_path_factory, checkout):
+    """A project in which the workflow has run once without intervals: to be copied, not changed."""
+    project = Project(tmp_path_factory.mktemp("finished") / "project", checkout)
+    write_maps(project.path("measured"))
+    project.write(QUICK)
+    first_run = project.run()
+    assert first_run.returncode == 0, first_run.stderr
     return project
 
 

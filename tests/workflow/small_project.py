@@ -15,6 +15,7 @@ SETTINGS = {
     "surfaces": "surfaces.tsv",
     "contact": {"contact_modulus": "1e9", "relative_pressure": [0.05, 0.2], "tolerance": "1e-6"},
 }
+QUICK = SETTINGS | {"uncertainty": {"sources": []}}
 TABLE = (
     "surface\tpath\tunit\tdx\tdy",
     "ground\tmeasured/ground.npy\tum\t2\t1",

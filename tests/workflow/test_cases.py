@@ -4,11 +4,10 @@ import json
 import re
 
 import pytest
-from small_project import SETTINGS, TABLE, Project, counted, write_maps
+from small_project import QUICK, TABLE, Project, counted, write_maps
 
 from roughcontact.results.storage import read_dataset
 
-QUICK = SETTINGS | {"uncertainty": {"sources": []}}
 FILES = ["height", "levelled", "window", "uncertainty", "contact", "statistics"]
 
 

@@ -8,32 +8,20 @@ import sys
 import time
 
 import pytest
-from small_project import SETTINGS, Project, counted, write_maps
+from small_project import QUICK, SETTINGS, Project, counted
 
 from roughcontact.results.storage import read_dataset
 from roughcontact.study.failures import report_finished
 from roughcontact.study.plan import Plan
 from roughcontact.study.study import read_study
 
-QUICK = SETTINGS | {"uncertainty": {"sources": []}}
 REPORT = ("results/statistics.nc", "results/summary.csv", "results/uncertainty.csv", "results/report.html")
 
 
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory, checkout):
-    """The folder of a project with two surfaces in which the workflow has run."""
-    project = Project(tmp_path_factory.mktemp("finished") / "project", checkout)
-    write_maps(project.path("measured"))
-    project.write(QUICK)
-    first_run = project.run()
-    assert first_run.returncode == 0, first_run.stderr
-    return project
-
-
 @pytest.fixture
-def study(tmp_path, checkout, finished, monkeypatch):
+def study(tmp_path, checkout, finished_quickly, monkeypatch):
     """A copy of that folder, as the working directory."""
-    shutil.copytree(finished.folder, tmp_path / "project", symlinks=True)
+    shutil.copytree(finished_quickly.folder, tmp_path / "project", symlinks=True)
     project = Project(tmp_path / "project", checkout)
     monkeypatch.chdir(project.folder)
     return project
@@ -42,6 +30,15 @@ def study(tmp_path, checkout, finished, monkeypatch):
 def plan(**settings):
     """Return the plan of the run in the working directory, with other settings."""
     return Plan(*read_study(QUICK | settings, ["."], measured_in=["."]))
+
+
+def said_by_command(**config):
+    """Return what the command says that ends a run which has not finished."""
+    request = {"config": QUICK | config, "folders": ["."], "measured_in": ["."]}
+    command = [sys.executable, "-m", "roughcontact.study.failures"]
+    return subprocess.run(
+        command, input=json.dumps(request), capture_output=True, text=True, check=True
+    ).stderr
 
 
 def contents(project):
@@ -58,7 +55,7 @@ def test_what_is_mended_is_in_the_next_report_though_it_is_as_before(study):
     failed = study.run("--keep-going")
     assert failed.returncode != 0
     assert "Not finished: turned." in failed.stderr
-    changed = "tolerance: 1.0e-06; uncertainty.sources: []</p>"
+    changed = "tolerance: 1.0e-06; uncertainty sources: []</p>"
     assert changed in complete[REPORT[-1]].decode()
     assert changed in contents(study)[REPORT[-1]].decode()
     assert study.path("results/report.html").stat().st_mtime > start - 1
@@ -146,46 +143,24 @@ def test_files_of_an_earlier_table_with_groups_and_pairs_do_not_stay_beside_it(s
 
 
 def test_the_command_says_that_the_page_is_older_where_nothing_is_finished(study):
-    config = QUICK | {"contact": SETTINGS["contact"] | {"tolerance": 1e-5}}
-    run = subprocess.run(
-        [sys.executable, "-m", "roughcontact.study.failures"],
-        input=json.dumps({"config": config, "folders": ["."], "measured_in": ["."]}),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert run.stderr.startswith("Not finished: ground, turned.")
-    assert run.stderr.endswith("results/report.html and the tables beside it are of an earlier run.\n")
+    text = said_by_command(contact=SETTINGS["contact"] | {"tolerance": 1e-5})
+    assert text.startswith("Not finished: ground, turned.")
+    assert text.endswith("results/report.html and the tables beside it are of an earlier run.\n")
 
 
 def test_the_command_says_what_is_missing(study):
     study.path("logs/ground/contact.json").write_text('{"error": "killed; out of memory"}')
     study.path("results/ground/panel.html").unlink()
-    request = {"config": QUICK, "folders": ["."], "measured_in": ["."]}
-    run = subprocess.run(
-        [sys.executable, "-m", "roughcontact.study.failures"],
-        input=json.dumps(request),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert run.stderr.startswith("Not finished: ground. The lines with ERROR above give the reasons")
-    assert "results/report.html and results/summary.csv have the others" in run.stderr
+    text = said_by_command()
+    assert text.startswith("Not finished: ground. The lines with ERROR above give the reasons")
+    assert "results/report.html and results/summary.csv have the others" in text
     failed = json.loads(read_dataset(study.path("results/statistics.nc")).attrs["failed"])
     assert failed[0]["reason"] == "killed; out of memory"
 
 
 def test_a_file_that_is_gone_since_the_run_began_keeps_no_other_from_the_report(study):
     study.path("measured/turned.txt").unlink()
-    request = {"config": QUICK, "folders": ["."], "measured_in": ["."]}
-    run = subprocess.run(
-        [sys.executable, "-m", "roughcontact.study.failures"],
-        input=json.dumps(request),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert run.stderr.startswith("Not finished: turned. ")
+    assert said_by_command().startswith("Not finished: turned. ")
     statistics = read_dataset(study.path("results/statistics.nc"))
     assert statistics["surface_name"].values.tolist() == ["ground"]
     (failed,) = json.loads(statistics.attrs["failed"])

@@ -7,12 +7,11 @@ from base64 import urlsafe_b64encode
 
 import numpy as np
 import pytest
-from small_project import SETTINGS, TABLE, Project, write_maps
+from small_project import QUICK, SETTINGS, TABLE, Project
 
 from roughcontact.results.storage import read_dataset, write_dataset
 from roughcontact.study.records import LAST_RESULTS
 
-QUICK = SETTINGS | {"uncertainty": {"sources": []}}
 DRAWN = {"panel": 1, "report": 1}  # of one surface
 SOLVED = {"contact": 1, **DRAWN}
 PREPARED = {"prepare": 1, **SOLVED}
@@ -24,21 +23,10 @@ def numbers(project):
         return next(csv.DictReader(file))
 
 
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory, checkout):
-    """A project with two surfaces in which the workflow has run."""
-    project = Project(tmp_path_factory.mktemp("finished") / "project", checkout)
-    write_maps(project.path("measured"))
-    project.write(QUICK)
-    first_run = project.run()
-    assert first_run.returncode == 0, first_run.stderr
-    return project
-
-
 @pytest.fixture
-def study(tmp_path, checkout, finished):
+def study(tmp_path, checkout, finished_quickly):
     """A copy of that folder."""
-    return Project(shutil.copytree(finished.folder, tmp_path / "project"), checkout)
+    return Project(shutil.copytree(finished_quickly.folder, tmp_path / "project"), checkout)
 
 
 def another_load(project):
