@@ -217,6 +217,13 @@ def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, word
         ["Scan area 5 µm wide, 2 µm high"],
         ["Scanned area: 5 µm wide, 2 µm high"],
         ["Pixel x: 0.5 µm", "Pixel y: 0.25 µm"],
+        ["Column width: 0.5 µm", "Row spacing: 0.25 µm"],
+        ["Cell width: 0.5 µm", "Pixel dimension y: 0.25 µm"],
+        ["Width per pixel: 0.5 µm", "Lateral step y: 0.25 µm"],
+        ["Breite eines Pixels: 0.5 µm", "Pixelmaß y: 0.25 µm"],
+        ["Lx = 5 µm", "Ly = 2 µm"],
+        ["Feldbreite: 5 µm", "Ausdehnung y: 2 µm"],
+        ["FOV: 5 x 2 µm", "PointsPerLine=10", "LinesPerImage=8"],
         ["Pixel x: 10", "Pixel y: 8", "Pixel width: 0.5 µm", "Pixel height: 0.25 µm"],
         ['"Pixel x","0.5 µm"', '"Pixel y","0.25 µm"'],
         ["Pixel spacing: 0.5/0.25 µm (x/y)"],
@@ -269,6 +276,11 @@ def test_a_line_gives_the_units_of_the_axes(read, line, separator):
 @pytest.mark.parametrize("line", ["Height: nm", "Heights = nm", "Höhe;nm", '"Hauteur","nm"', "高さ: nm"])
 def test_heights_with_a_unit_but_no_number_have_that_unit(read, line):
     holds_nm(read(f"dx: 0.5 µm\ndy: 0.25 µm\n{line}\n{ROWS}"), ONE[::-1])
+
+
+@pytest.mark.parametrize("line", ["Points x: 0.5 µm", "Columns: 5 µm", "Samples: 0.5 µm"])
+def test_a_number_of_points_with_a_unit_of_length_is_asked_about(refused, line):
+    refused(f"{line}\ndy: 0.25 µm\nZ unit: nm\n{ROWS}", "which is not used")
 
 
 def test_units_that_may_be_those_of_other_axes_are_asked_about(refused):
