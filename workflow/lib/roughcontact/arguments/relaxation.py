@@ -7,7 +7,7 @@ a series, so that what a fit to both leaves over tells how far a table is from s
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -109,20 +109,11 @@ def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> R
             keys=["relaxation"],
         )
     named = compound(stated.get("table"))
-    if "table" in stated and not named:
-        series = _fitted(stated["table"], ratio)
-    else:
-        series = _series(named or stated, ratio)
+    is_table = "table" in stated and not named
+    series = _fitted(stated["table"], ratio) if is_table else _series(named or stated, ratio)
     factor = _shift(named | stated if "temperature" in stated else stated)
     low, high = series.frequencies
-    return Relaxation(
-        series.long_time_modulus,
-        series.moduli,
-        series.times * factor,
-        ratio,
-        series.misfit,
-        (low / factor, high / factor),
-    )
+    return replace(series, times=series.times * factor, frequencies=(low / factor, high / factor))
 
 
 def with_modulus_at_rest(body: Any) -> Any:

@@ -176,13 +176,13 @@ def _numbers(
     gap = np.where(touching, 0.0, contact.fields.gap)  # within the contact it is rounding
     qy, qx = wavevectors(window.shape, steps)
     length, frequency = wavenumbers(window.shape, steps), np.abs(velocity[0] * qx + velocity[1] * qy)
-    of_waves, friction = contact.friction_of_waves, contact.friction
+    friction = contact.friction
+    share_of_waves = contact.friction_of_waves / (friction or 1.0)
     # octaves of wavelengths from two pixels on; the few shorter waves, oblique ones, count to the first
     shortest = np.divide(np.pi / max(steps), length, out=np.ones_like(length), where=length > 0)
     octave = np.maximum(0, np.ceil(np.log2(shortest) - 1e-9)).astype(int)
     last_octave = 2 * shortest_measured_wave(window) * (1 + 1e-9)
     outside_table = (frequency < rubber.frequencies[0]) | (frequency > rubber.frequencies[1])
-    shares = np.bincount(octave.ravel(), of_waves.ravel()) / (friction or 1.0)
     numbers: dict[str, Any] = {
         FRICTION: friction,
         "hysteretic_friction_bound": contact.friction_bound,
@@ -192,10 +192,9 @@ def _numbers(
         PRESSURE: float(pressure[touching].mean()),
         PEAK: float(pressure.max()),
         GAP: float(gap.mean()),
-        "friction_share_of_octave": ("octave", shares),
-        "friction_share_of_last_octave": float(of_waves[length * last_octave >= 2 * np.pi].sum())
-        / (friction or 1.0),
-        "friction_share_beyond_table": float(of_waves[outside_table].sum()) / (friction or 1.0),
+        "friction_share_of_octave": ("octave", np.bincount(octave.ravel(), share_of_waves.ravel())),
+        "friction_share_of_last_octave": float(share_of_waves[length * last_octave >= 2 * np.pi].sum()),
+        "friction_share_beyond_table": float(share_of_waves[outside_table].sum()),
     }
     if seal is not None:
         leaks = leak_columns(numbers[GAP], flow_columns(gap, steps) | percolation_columns(gap), **seal)
