@@ -98,17 +98,17 @@ def _surfaces(statistics: xr.Dataset) -> dict[tuple[str, ...], xr.Dataset]:
     return {tuple(labels.values()): result for labels, result in solved_results(statistics)}
 
 
-def _pairs(before: xr.Dataset | None, after: xr.Dataset | None) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
+def _pairs(earlier: xr.Dataset | None, later: xr.Dataset | None) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
     """Yield the loads of both that belong together; one without a partner comes with an empty dataset."""
     empty = xr.Dataset()
     sides = [
         [] if side is None else [side.isel(load=i) for i in range(side.sizes["load"])]
-        for side in (before, after)
+        for side in (earlier, later)
     ]
     pairs = {}
-    if before is not None and after is not None:
+    if earlier is not None and later is not None:
         # loads that both runs have, by the one rule for all comparisons
-        pairs = dict(zip(*(indices.tolist() for indices in paired_loads(before, after)), strict=True))
+        pairs = dict(zip(*(indices.tolist() for indices in paired_loads(earlier, later)), strict=True))
     yield from ((load, sides[1][pairs[i]] if i in pairs else empty) for i, load in enumerate(sides[0]))
     yield from ((empty, load) for i, load in enumerate(sides[1]) if i not in pairs.values())
 

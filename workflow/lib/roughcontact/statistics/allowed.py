@@ -80,11 +80,11 @@ def _crossing(
         return beyond[0]
     if (last := above[-1]) == end.size - 1:
         return beyond[1]
-    before, after = end[last], end[last + 1]
-    if not (after > 0 and np.isfinite(before)):  # no power law passes through zero or infinity
+    start, stop = end[last], end[last + 1]
+    if not (stop > 0 and np.isfinite(start)):  # no power law passes through zero or infinity
         return float(loads[last + side])
     # between two loads the number is a power of the load
-    share = np.log(before / allowed) / np.log(before / after)
+    share = np.log(start / allowed) / np.log(start / stop)
     return float(loads[last] * (loads[last + 1] / loads[last]) ** share)
 
 

@@ -20,7 +20,7 @@ SAME_LOAD = 1e-3  # relative
 
 
 def paired_loads(
-    first: xr.Dataset, second: xr.Dataset, *, as_stated: bool = False
+    dataset: xr.Dataset, counterpart: xr.Dataset, *, as_stated: bool = False
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the indices of the loads of two results that belong together, in the order of the first.
 
@@ -37,14 +37,16 @@ def paired_loads(
     >>> [indices.tolist() for indices in paired_loads(*both)]
     [[0, 1], [0, 1]]
     """
-    pascals = [data["mean_pressure"].values for data in (first, second)]
+    pascals = [data["mean_pressure"].values for data in (dataset, counterpart)]
     if as_stated and pascals[0].size == pascals[1].size:
-        by_place = [np.argsort(data.get("place", data["mean_pressure"]).values) for data in (first, second)]
+        by_place = [
+            np.argsort(data.get("place", data["mean_pressure"]).values) for data in (dataset, counterpart)
+        ]
         return by_place[0], by_place[1]
     # loads that are equal in Pa, or in units of E*: the sort of which more are equal counts first
     relative = [
         np.asarray(data.get("relative_pressure", load / float(data.get("contact_modulus", np.nan))))
-        for data, load in zip((first, second), pascals, strict=True)
+        for data, load in zip((dataset, counterpart), pascals, strict=True)
     ]
     equal_loads = [
         np.argwhere(same_load(loads[0][:, None], loads[1])).tolist() for loads in (pascals, relative)
@@ -57,7 +59,7 @@ def paired_loads(
     return np.array(ordered, int), np.array([partners[index] for index in ordered], int)
 
 
-def same_load(first: np.ndarray, second: np.ndarray | float) -> np.ndarray:
+def same_load(loads: np.ndarray, reference: np.ndarray | float) -> np.ndarray:
     """Return which loads are the same; NaN is none.
 
     Examples
@@ -65,7 +67,7 @@ def same_load(first: np.ndarray, second: np.ndarray | float) -> np.ndarray:
     >>> same_load(np.array([1.0, 1.0005, 2.0, np.nan]), 1.0).tolist()
     [True, True, False, False]
     """
-    return np.isclose(first, second, rtol=SAME_LOAD, atol=0.0)
+    return np.isclose(loads, reference, rtol=SAME_LOAD, atol=0.0)
 
 
 def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> np.ndarray:
