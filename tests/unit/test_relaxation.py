@@ -7,7 +7,9 @@ import pytest
 from roughcontact.arguments.bodies import relaxation_table
 from roughcontact.arguments.named_materials import compound, compound_names, modulus_of_hardness
 from roughcontact.arguments.relaxation import MAX_MISFIT, read_relaxation, relaxation_of
+from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.errors import SettingsError
+from roughcontact.report.asked import bodies_in_words
 
 SERIES = {"long_time_modulus": 3e6, "moduli": [1e7, 5e7, 2e8], "times": [1e-2, 1e-4, 1e-6]}
 
@@ -109,6 +111,8 @@ def test_a_named_rubber_at_another_temperature():
     np.testing.assert_allclose(cool.frequencies, np.array(warm.frequencies) / factor)
     with pytest.raises(SettingsError, match="another temperature needs wlf"):
         relaxation_of({"table": "EPDM-70", "temperature": 0.0})
+    bodies = resolve({"contact": {"bodies": [{"relaxation": {"table": "pib", "temperature": 0}}, "granite"]}})
+    assert bodies_in_words(bodies[""]["contact"]).startswith("polyisobutylene (")
     assert compound("EPDM 70 Shore A") == compound("epdm-70") != compound("dma.csv") == {}
 
 

@@ -165,7 +165,8 @@ def compound(name: Any) -> dict[str, Any]:
     row = _names("compounds.tsv").get(_plain(name), {}) if isinstance(name, str) else {}
     cells = {key: text for key, text in row.items() if key not in ("name", "aliases", "source") and text}
     numbers = {key: [*map(float, text.split())] for key, text in cells.items()}
-    return {key: values if len(values) > 1 else values[0] for key, values in numbers.items()}
+    name_of_row = {"name": row["name"]} if row else {}
+    return name_of_row | {key: values if len(values) > 1 else values[0] for key, values in numbers.items()}
 
 
 def compound_names() -> list[str]:

@@ -117,7 +117,7 @@ def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> R
 
 
 def with_modulus_at_rest(body: Any) -> Any:
-    """Return a body whose relaxation is stated with its modulus at rest, where it states none.
+    """Return a body whose relaxation is stated with its modulus at rest, and its name, where it states none.
 
     Examples
     --------
@@ -129,8 +129,11 @@ def with_modulus_at_rest(body: Any) -> Any:
     if not isinstance(body, Mapping) or not isinstance(body.get("relaxation"), str | Mapping):
         return body
     properties = {key: value for key, value in body.items() if value is not None}
-    modulus = properties.get("youngs_modulus") or relaxation_of(body["relaxation"]).at_rest()
-    return {"poissons_ratio": RUBBER_RATIO} | properties | {"youngs_modulus": modulus}
+    relaxation = properties["relaxation"]
+    named = compound(relaxation.get("table") if isinstance(relaxation, Mapping) else relaxation)
+    name = {"name": named["name"]} if named else {}
+    modulus = properties.get("youngs_modulus") or relaxation_of(relaxation).at_rest()
+    return {"poissons_ratio": RUBBER_RATIO} | name | properties | {"youngs_modulus": modulus}
 
 
 def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
