@@ -218,6 +218,8 @@ def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, word
         ["Scanned area: 5 µm wide, 2 µm high"],
         ["Pixel x: 0.5 µm", "Pixel y: 0.25 µm"],
         ["Column width: 0.5 µm", "Row spacing: 0.25 µm"],
+        ["Pixel (x): 0.5 µm", "Pixel size (y): 0.25 µm"],
+        ["Size (X): 5 µm", "Size [y]: 2 µm"],
         ["Cell width: 0.5 µm", "Pixel dimension y: 0.25 µm"],
         ["Width per pixel: 0.5 µm", "Lateral step y: 0.25 µm"],
         ["Breite eines Pixels: 0.5 µm", "Pixelmaß y: 0.25 µm"],

@@ -309,6 +309,8 @@ def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Stateme
     key, value, axes = _strip_sides(key, value.strip(' "\t;,'))  # a spreadsheet fills lines with separators
     name, opening, remainder = key.replace("[", "(").partition("(")
     unit = remainder.replace("]", ")").partition(")")[0].removeprefix("->").strip() if opening else ""
+    if unit.lower() in ("x", "y"):  # "Pixel size (x)": a side, no unit
+        name, unit = f"{name} {unit}", ""
     head, _, last = re.sub(r"[\s_]+(?:in[\s_]+)?(?=[^\s_]+$)", "\0", name.strip()).partition("\0")
     if not opening and last != "in" and is_length(last) and _meaning(head):  # "width_um"
         name, unit = head, last
