@@ -4,8 +4,11 @@ A section is exactly the keyword arguments of its function (`level(height, **set
 each quantity has one name.
 """
 
+import ast
 import math
-from functools import partial
+from functools import cache, partial
+from itertools import pairwise
+from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args
 
@@ -203,18 +206,33 @@ def _example(value: Any) -> Any:
     return Field(default=None, examples=[value])
 
 
+@cache
+def _texts_below_fields() -> dict[str, dict[str, str]]:
+    """Return class -> field -> text; for each class pydantic would look for this file in all modules."""
+    module = ast.parse(Path(__file__).read_text(encoding="utf-8"))
+    return {
+        section.name: {
+            field.target.id: ast.literal_eval(text.value)
+            for field, text in pairwise(section.body)
+            if isinstance(field, ast.AnnAssign)
+            and isinstance(field.target, ast.Name)
+            and isinstance(text, ast.Expr)
+        }
+        for section in module.body
+        if isinstance(section, ast.ClassDef)
+    }
+
+
 class Section(BaseModel):
     """A group of settings, each described below it; unknown keys, infinities and NaN are mistakes."""
 
-    model_config = ConfigDict(
-        extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True, defer_build=True
-    )
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, defer_build=True)
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
-        """Let each description be one line."""
-        for field in cls.model_fields.values():
-            field.description = field.description and " ".join(field.description.split())
+        """Let each description be the text below the field, in one line."""
+        for name, text in _texts_below_fields().get(cls.__name__, {}).items():
+            cls.model_fields[name].description = " ".join(text.split())
 
     @model_validator(mode="before")
     @classmethod
