@@ -3,16 +3,14 @@
 import asyncio
 import secrets
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 
-from starlette.middleware.base import RequestResponseEndpoint
 from starlette.requests import Request
-from starlette.responses import PlainTextResponse, Response
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from roughcontact.errors import SettingsError
 
-_MAX_CONNECTIONS = 100  # fewer than the files that a process may have open
+_MAX_CONNECTIONS = 40  # with three times those accepted at once fewer than the files a process may open
 _SILENCE = 5.0  # s after which a page that no longer asks for news, or a connection, counts as closed
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
@@ -28,24 +26,10 @@ _HEADERS = {
 }
 
 
-async def guard(
-    request: Request,
-    call_next: RequestResponseEndpoint,
-    *,
-    token: str,
-    hosts: Collection[str],
-    problem: Callable[[Exception], Response],
-) -> Response:
-    """Answer a request that `is_admitted`, by what is wrong after an error; no answer is stored elsewhere."""
-    try:
-        admission = is_admitted(request, token=token, hosts=hosts)
-        response = await call_next(request) if admission else PlainTextResponse("refused", status_code=403)
-    except Exception as error:  # whatever it is
-        response = problem(error)
-    is_result = request.url.path.split("/")[2:3] == ["results"]
-    policy = {"Content-Security-Policy": _POLICY_OF_RESULTS if is_result else _POLICY}
-    response.headers.update(_HEADERS | policy)
-    return response
+def headers_of(path: str) -> dict[str, str]:
+    """Return the headers of the answer to a request for a path, which is stored nowhere else."""
+    is_result = path.split("/")[2:3] == ["results"]
+    return _HEADERS | {"Content-Security-Policy": _POLICY_OF_RESULTS if is_result else _POLICY}
 
 
 def is_admitted(request: Request, *, token: str, hosts: Collection[str]) -> bool:

@@ -8,7 +8,6 @@ import socket
 import sys
 import time
 import webbrowser
-from functools import partial
 from pathlib import Path
 
 import uvicorn
@@ -16,14 +15,14 @@ from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import QueryParams
 from starlette.middleware import Middleware
-from starlette.middleware.base import BaseHTTPMiddleware
+from starlette.middleware.base import BaseHTTPMiddleware, RequestResponseEndpoint
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from roughcontact.errors import SettingsError
-from roughcontact.interface.app.access import Claim, Connection, guard
+from roughcontact.interface.app.access import Claim, Connection, headers_of, is_admitted
 from roughcontact.interface.app.measurements import cut, save_upload, whole
 from roughcontact.interface.app.page import FOLDER, Page
 from roughcontact.interface.app.study import check_within_study, error_in_words
@@ -69,8 +68,14 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
             whole(inspection["row"]) if is_whole else inspection["picture"], media_type="image/png"
         )
 
-    def problem(error: Exception) -> Response:
-        return HTMLResponse(page.html(["problem"], problem=error_in_words(error)), status_code=400)
+    async def guard(request: Request, call_next: RequestResponseEndpoint) -> Response:
+        try:
+            admitted = is_admitted(request, token=token, hosts=hosts)
+            response = await call_next(request) if admitted else PlainTextResponse("refused", 403)
+        except Exception as error:  # whatever it is
+            response = HTMLResponse(page.html(["problem"], problem=error_in_words(error)), 400)
+        response.headers.update(headers_of(request.url.path))
+        return response
 
     routes = [
         Route("/", first),
@@ -80,8 +85,7 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         Mount("/results", StaticFiles(directory="results", check_dir=False)),
     ]
     hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
-    dispatch = partial(guard, token=token, hosts=hosts, problem=problem)
-    guard_layer = Middleware(BaseHTTPMiddleware, dispatch=dispatch)
+    guard_layer = Middleware(BaseHTTPMiddleware, dispatch=guard)
     return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=[guard_layer])
 
 
@@ -114,7 +118,7 @@ def serve(folder: Path, *, port: int = 0, browser: bool = True) -> int:
             http=Connection,
             ws="none",
             log_config=None,
-            backlog=50,  # what asyncio accepts at once, before a connection can make room
+            backlog=30,  # what asyncio accepts at once, before a connection can make room
             timeout_graceful_shutdown=1,
         )
         # uvicorn raises the signal again: it ends the program by what follows
