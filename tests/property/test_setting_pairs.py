@@ -6,6 +6,7 @@ so that it does nothing changes nothing, whatever else is stated; and intervals 
 """
 
 import itertools
+import re
 import warnings
 from typing import NamedTuple
 
@@ -13,13 +14,14 @@ import numpy as np
 import pytest
 from test_laws import LAWS, NO_NUMBER, OF_THE_SOLVER, Law, kind_of, same, swapped
 
-import roughcontact as rc
 from roughcontact.arguments.answers import ALLOWED_VALUES
 from roughcontact.arguments.maps import height_map
 from roughcontact.arguments.settings.models import Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.errors import SettingsError
 from roughcontact.evaluation.pipeline import run_chain
+from roughcontact.evaluation.running_in import worn_in_a_run
+from roughcontact.evaluation.sliding import slid_in_a_run
 from roughcontact.surface.synthetic import self_affine_surface
 
 PITCH, SHAPE = (1.5e-6, 1e-6), (30, 33)
@@ -43,6 +45,7 @@ MATERIAL = {"youngs_modulus": 2.0**31, "poissons_ratio": 0.25}
 CONDUCTOR = {"thermal_conductivity": 20.0, "electrical_resistivity": 1e-7}
 FILM = MATERIAL | CONDUCTOR | {"thickness": 4e-6}
 AREA, LOAD, FORCE_ON_BODY = 2.0**-18, 4e6, 4e-4
+RUBBER = {"long_time_modulus": 2.0**29, "moduli": [2.0**31], "times": [1e-4]}
 # the name of a setting, and of a group of those that belong together after a colon
 SETTINGS = {
     "level.form": Setting("polynomial"),
@@ -69,9 +72,15 @@ SETTINGS = {
     "contact.mean_pressure_uncertainty": Setting(0.02, neutral=1e-13),
     "contact.area": Setting(AREA, (2, 0), AREA),  # and a force instead of the pressure
     "contact.target_area": Setting([0.12], adds=True),
+    "contact.target_gap": Setting([1.2e-7], LENGTH, adds=True),
+    "contact.time": Setting([1e-4]),  # and a relaxation
+    "contact.precision": Setting("single", neutral="double"),
+    "bodies.creep_modulus": Setting({"3600": 2.0**30}, PRESSURE, adds=True),
+    "bodies.youngs_modulus_uncertainty": Setting([0.1, 0.2], neutral=1e-13),
     "bodies.yield_stress": Setting(4e7, PRESSURE, adds=True),
     "bodies.thermal_conductivity_uncertainty": Setting(0.1, neutral=1e-13),
     "bodies.electrical_resistivity_uncertainty": Setting([0.1, 0.2], neutral=1e-13),
+    "form.radius": Setting([2e-3, 3e-3], LENGTH),
     "form.edges": Setting(True),
     "form.local_scale": Setting(True),
     "contact.boundary": Setting("free"),
@@ -81,7 +90,6 @@ SETTINGS = {
     "statistics.stress": Setting("always", adds=True),
     "statistics.work_of_adhesion": Setting(0.05, ENERGY, adds=True),
     "statistics.allowed_pressure": Setting(9e7, PRESSURE, adds=True),
-    "statistics.requirement": Setting({"gap": 2.5e-7}, adds=True),
     "statistics.seal": Setting({"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}, adds=True),
     "statistics.seal:whole": Setting({"perimeter": 0.1, "allowed_leak": 1e-12}, adds=True),
     "statistics.seal:gas": Setting({"outlet_pressure": 1e5, "mean_free_path": 7e-8}),
@@ -96,8 +104,8 @@ SETTINGS = {
         {"shear_strength": 5e6, "shear_strength_uncertainty": [0.1, 0.2]}, adds=True
     ),
     "statistics.friction:heat": Setting({"speed": 1, "thermal_diffusivity": 1e-5}, adds=True),
-    "wear": Setting({"coefficient": 1e-14, "distance": [1.0], "mean_pressure": LOAD}, adds=True),
-    "sliding": Setting({"relaxation": "dma.csv", "speed": [0.1], "mean_pressure": LOAD}, adds=True),
+    "wear": Setting({"coefficient": 1e-14, "distance": [0.02], "mean_pressure": LOAD}, adds=True),
+    "sliding": Setting({"speed": [0.1], "direction": 30, "mean_pressure": LOAD}, adds=True),
     "uncertainty.windows": Setting(4),
     "instrument.noise": Setting(4e-9, LENGTH, 1e-12),
     "instrument.resolution": Setting(3.5e-6, LENGTH),
@@ -111,22 +119,17 @@ SETTINGS = {
 }
 ELSEWHERE = {
     "of every case": ["contact.contact_modulus", "contact.bodies", "contact.mean_pressure", "contact.force"],
-    "of every case as well": ["contact.tolerance", "form.radius", "uncertainty.sources"],
+    "of every case as well": ["contact.tolerance", "uncertainty.sources"],
     "no number": ["level.max_missing", "window.min_share", "contact.keep_fields", "contact.on_failure"],
-    "test_targets.py, test_elastic_loads.py": [
-        "contact.target_gap",
-        "contact.target",
-        "contact.relative_pressure",
-    ],
-    "test_unloading.py": ["contact.unload"],
-    "test_creep.py": ["contact.time"],
-    "test_rounding.py": ["contact.precision"],
+    "test_second_ways.py": ["contact.unload", "contact.relative_pressure", "statistics.requirement"],
+    "test_second_ways.py as well": ["contact.target"],
     "test_faces.py": ["composite.shifts", "composite.rotations", "composite.overlap", "composite.seed"],
     "test_uncertainty_instrument.py": ["instrument.finer_spectrum"],
 }
 NEEDS = {
     "level.order": ["level.form"],
     "contact.hardness_uncertainty": ["contact.hardness"],
+    "form.radius": ["contact.boundary"],
     "form.edges": ["contact.boundary"],
     "statistics.seal:whole": ["statistics.seal"],
     "statistics.seal:gas": ["statistics.seal"],
@@ -135,6 +138,7 @@ NEEDS = {
     "statistics.friction:heat": ["statistics.friction:area"],
     "instrument.wavelength": ["instrument.numerical_aperture"],
     "instrument.correct": ["instrument.resolution"],
+    "sliding": ["contact.time"],  # the relaxation
 }
 # what of settings of several numbers has a unit
 WITHIN = {
@@ -217,7 +221,7 @@ def field_around(transposed=False, unit=1.0):
 def in_units(value, units, scale=(0, 0)):
     """Return a value, or those within it, in another system of units (length, modulus)."""
     if isinstance(value, dict):
-        return {key: in_units(entry, units, WITHIN.get(key, (0, 0))) for key, entry in value.items()}
+        return {key: in_units(entry, units, WITHIN.get(key, scale)) for key, entry in value.items()}
     if isinstance(value, list):
         return [in_units(entry, units, scale) for entry in value]
     return value * units[0] ** scale[0] * units[1] ** scale[1] if isinstance(value, float) else value
@@ -232,6 +236,14 @@ def sections(names, *, units=(1.0, 1.0), neutral=()):
         chosen["contact"]["force"] = [in_units(FORCE_ON_BODY if by_force else LOAD * AREA, units, FORCE)]
     else:
         chosen["contact"]["mean_pressure"] = [in_units(LOAD, units, PRESSURE)]
+    if "contact.time" in names:
+        bodies = [
+            body | {"youngs_modulus": modulus}
+            for body, modulus in zip(bodies, (2.0**29, 2.0**37), strict=True)
+        ]
+        bodies[0]["relaxation"] = RUBBER
+    if "contact.precision" in {*names} - {*neutral}:
+        chosen["contact"]["tolerance"] = 1e-4
     bodies = in_units(bodies, units)
     for name in names:
         setting, (section, _, key) = SETTINGS[name], name.partition(":")[0].partition(".")
@@ -249,13 +261,16 @@ def sections(names, *, units=(1.0, 1.0), neutral=()):
     return chosen
 
 
+APART = [("overview", "contact.boundary")]
+
+
 def admitted(names):
     """Whether `resolve` takes these settings together."""
     try:
         resolve(sections(names))
     except SettingsError:
         return False
-    return not {"overview", "contact.boundary"} <= {*names}
+    return not any({*pair} <= {*names} for pair in APART)
 
 
 def covering_cases():
@@ -285,7 +300,8 @@ CASES, REFUSED = covering_cases()
 
 
 def test_every_setting_is_in_the_table():
-    """Or another file has its laws."""
+    """Or another file has its laws; what is in the table is in a case."""
+    assert {*SETTINGS} == {*itertools.chain(*CASES)}
     named = {name.partition(":")[0] for name in SETTINGS}.union(*ELSEWHERE.values())
     for section, field in Settings.model_fields.items():
         if section not in named | {"surfaces", "report", "cases"}:
@@ -295,6 +311,8 @@ def test_every_setting_is_in_the_table():
 def evaluated(names, *, transposed=False, unit=1.0, extra=None, **options):
     """Return the statistics of the map by the settings of some names, and those of wear and sliding."""
     chosen = sections(names, **options)
+    if transposed and "form.radius" in names:
+        chosen["form"]["radius"].reverse()
     for section, values in (extra or {}).items():
         chosen[section] = chosen.get(section, {}) | values
     full = resolve(chosen)[""]
@@ -304,9 +322,11 @@ def evaluated(names, *, transposed=False, unit=1.0, extra=None, **options):
         chain = run_chain(measured(transposed, unit), full, overviews=overviews)
         further = {}
         if "wear" in names:
-            further["worn"] = worn(chain.window, full)
+            further["worn"] = worn_in_a_run(chain.window, full, mean_pressure=full["wear"]["mean_pressure"])
         if "sliding" in names:
-            further["slid"] = slid(chain.window, full, transposed, options.get("units", (1.0, 1.0)))
+            full["sliding"]["direction"] = 60.0 if transposed else 30.0  # the same of the face
+            pressure = full["sliding"]["mean_pressure"]
+            further["slid"] = slid_in_a_run(chain.window, full, mean_pressure=pressure)
     renamed = [
         data.drop_vars(["height", "pressure", "gap"], errors="ignore").rename(
             {
@@ -317,38 +337,6 @@ def evaluated(names, *, transposed=False, unit=1.0, extra=None, **options):
         for prefix, data in further.items()
     ]
     return chain.statistics.assign({key: value for data in renamed for key, value in data.variables.items()})
-
-
-def worn(window, full):
-    """Return what one step of wear leaves of the window."""
-    contact, wear = full["contact"], full["wear"]
-    return rc.run_in(
-        window,
-        bodies=contact["bodies"],
-        mean_pressure=wear["mean_pressure"],
-        wear_coefficient=wear["coefficient"],
-        sliding_distance=wear["distance"],
-        hardness=contact["hardness"],
-        influence=contact["influence"],
-        tolerance=np.inf,
-        solver_tolerance=1e-7,
-        statistics=full["statistics"],
-    )
-
-
-def slid(window, full, transposed, units):
-    """Return the friction of rubber on the window, along the same direction of the face."""
-    rubber = {"long_time_modulus": 2.0**26, "moduli": [2.0**28], "times": [1e-4]}
-    return rc.sliding_friction(
-        window,
-        relaxation=in_units(rubber, units),
-        speed=full["sliding"]["speed"],
-        direction=60.0 if transposed else 30.0,
-        mean_pressure=full["sliding"]["mean_pressure"],
-        shear_strength=(full["statistics"]["friction"] or {}).get("shear_strength"),
-        thermal_conductivity=[20.0, 0.25],
-        tolerance=1e-6,
-    )
 
 
 @pytest.fixture(scope="module")
@@ -366,7 +354,7 @@ def results():
 
 def law_of(name):
     """Return how a number scales, None of one that says nothing of the surface."""
-    kind = kind_of(name.rpartition(" ")[2])
+    kind = kind_of(re.sub("_after$|_after(?=_(lower|upper)$)", "", name.rpartition(" ")[2]))
     if found := FURTHER_LAWS.get(name) or FURTHER_LAWS.get(kind):
         return found
     return None if kind in OF_THE_SOLVER | NO_NUMBER else LAWS[kind]
@@ -394,9 +382,8 @@ def test_another_system_of_units_gives_the_same_numbers(results, names):
 
 HEADLINE = ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure", "contact_stiffness")
 BY_ROWS = {"level.line_alignment", "level.scar_threshold"}
-DATASETS = {"wear", "sliding", "statistics.requirement"}  # computed from what the others give
-# of intervals, of a roughness, of another load
-ALONE = {"overview", "statistics.requirement", "contact.target_area"}
+DATASETS = {"wear", "sliding"}  # computed from what the others give
+ALONE = {"overview"}  # of intervals
 NOT_NEUTRAL = {
     "contact.boundary": {"contact.layers"},  # further positions of a body with layers are not solved
     "instrument.correct": {"instrument.noise", "instrument.tip_radius"},  # they limit what is corrected
@@ -430,14 +417,18 @@ def test_the_numbers_of_a_transposed_map_are_transposed(names):
     symmetric = tuple(name for name in names if name not in BY_ROWS | ALONE)
     extra = {"level": {"line_alignment": "none"}, "uncertainty": {"sources": []}}
     plain, transposed_result = (
-        evaluated(symmetric, transposed=transposed, extra=extra) for transposed in (False, True)
+        evaluated(symmetric, transposed=transposed, extra=extra).sortby(
+            "mean_pressure"
+        )  # the axis that closes first
+        for transposed in (False, True)
     )
     # windows are faded along one axis after the other, robust fits end at a tolerance
     for name in plain.variables:
         if name.endswith(("_x", "_y", "_xx", "_yy", "friction_coefficient", *HEADLINE)):
             if "max_von_mises" in name or name.startswith("window_offset"):
                 continue  # of points that equally strained ones share; of the first corner
-            np.testing.assert_allclose(transposed_result[swapped(name)], plain[name], rtol=0.01, err_msg=name)
+            rtol = 0.02 if name.startswith("worn ") else 0.01  # by steps of a tolerance
+            np.testing.assert_allclose(transposed_result[swapped(name)], plain[name], rtol=rtol, err_msg=name)
 
 
 @pytest.mark.parametrize("names", CASES)
@@ -448,7 +439,8 @@ def test_what_is_stated_to_do_nothing_changes_nothing(names):
     neutral = {name for name in names if SETTINGS[name].neutral is not None}
     neutral -= set().union(*(NOT_NEUTRAL.get(name, set()) for name in names))
     plain = evaluated(tuple(name for name in names if name not in neutral | adding))
-    with_neutral = evaluated(tuple(name for name in names if name not in DATASETS), neutral=neutral)
+    left_out = DATASETS | {"contact.target_gap"}  # between more loads corrections are interpolated
+    with_neutral = evaluated(tuple(name for name in names if name not in left_out), neutral=neutral)
     # without the load of a target; of a force over an area it has another last digit
     stated = np.isclose(with_neutral["mean_pressure"], plain["mean_pressure"].values[0], rtol=1e-12)
     with_neutral = with_neutral.isel(load=stated)

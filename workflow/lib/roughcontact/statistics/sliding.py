@@ -215,9 +215,11 @@ def persson_friction(
     length = wavenumbers(window.shape, spacing(window))
     modulus = rubber.contact_modulus(frequency)
     power = halfplane_weights(window.shape) * wave_power(window.values)
-    order = np.argsort(length, axis=None)
-    stress = np.cumsum((length**2 * power * np.abs(modulus) ** 2).ravel()[order]) / (8 * load**2)
+    # waves of one length, which differ in direction, are met together
+    _, index = np.unique(length, return_inverse=True)
+    steps = np.bincount(index.ravel(), (length**2 * power * np.abs(modulus) ** 2).ravel())
+    stress = np.cumsum(steps) / (8 * load**2)
     with np.errstate(divide="ignore"):
         area = scipy.special.erf(1 / (2 * np.sqrt(stress)))
     along = length * frequency / math.hypot(*velocity) * power * modulus.imag / (2 * load)
-    return float((along.ravel()[order] * area).sum())
+    return float((np.bincount(index.ravel(), along.ravel()) * area).sum())
