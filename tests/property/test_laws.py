@@ -71,7 +71,7 @@ LAWS = {
     **dict.fromkeys(["nayak_parameter", "row_jitter", "Ssk", "Sku", "Smr1", "Smr2", "Str", "Std"], NUMBER),
     **dict.fromkeys(["hardness_over_modulus", "sensitivity"], NUMBER),
     "gradient": SLOPE,  # by the shortest wave that is kept
-    **dict.fromkeys(["cutoff_wavelength", "Ssw"], LENGTH),
+    **dict.fromkeys(["cutoff_wavelength", "last_octave_wavelength", "Ssw"], LENGTH),
     **dict.fromkeys(["load_share_above_ratio", "area_share_above_ratio", "Sdr"], OF_SLOPES),
     **dict.fromkeys(["max_pressure_over_modulus", "rms_gradient", "Sdq"], SLOPE),
     "rms_curvature": Law(1, -2, 0),
