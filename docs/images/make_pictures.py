@@ -62,7 +62,7 @@ def screenshot(page: Path, picture: Path, words: str) -> None:
     """Photograph a page of WIDTH pixels, cut off what is white around it, and add its words."""
     browser = shutil.which("chromium") or shutil.which("google-chrome")
     options = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
-    options += [f"--window-size={WIDTH},3000", f"--screenshot={picture}"]
+    options += [f"--window-size={WIDTH},4000", f"--screenshot={picture}"]
     subprocess.run([browser, *options, page.as_uri()], check=True, capture_output=True)
     image = Image.open(picture).convert("RGB")
     white = Image.new("RGB", image.size, image.getpixel((0, image.height - 1)))
