@@ -13,7 +13,9 @@ from roughcontact.surface.faces.placing import (
     frame_of_place,
     joined_overviews,
     measured_rectangle,
+    middle_of,
     overview_with_place,
+    place_attributes,
     place_of,
     recorded_place,
     separate_overviews,
@@ -129,6 +131,28 @@ def test_an_overview_of_another_position_has_no_place(field):
 def test_an_overview_that_shows_too_little_is_refused(field, cut, factor, reason):
     with pytest.raises(HeightMapError, match=reason):
         place_of(field[cut], field.coarsen(y=factor, x=factor, boundary="trim").mean())
+
+
+@pytest.mark.parametrize("what", ["whole", "origin", "missing border", "masked border", "part"])
+def test_a_position_is_of_the_middle_of_the_map_from_the_corner_of_the_overview(what):
+    """On a grating any other place of the same phase fits as well, so that the position alone tells."""
+    x = np.arange(360) * PITCH
+    grating = height_map(np.tile(1e-6 * np.sin(2 * np.pi * x / (20 * PITCH)), (330, 1)), PITCH)
+    fine, overview, middle = grating[FINE].copy(), grating.coarsen(y=3, x=3).mean(), None
+    if what == "origin":  # as files with axes have it
+        overview = overview.assign_coords(x=overview.x - 7e-4, y=overview.y + 2e-4)
+    elif what == "missing border":
+        overview[:, :20] = np.nan
+    elif what == "masked border":
+        fine[:, :40] = np.nan
+    elif what == "part":
+        fine, middle = fine[:, 40:], middle_of(fine)
+    shown = overview_with_place(level(fine, fill="none"), level(overview, fill="none"), "210 145 um", middle)
+    left = {"masked border": 40, "part": 40}.get(what, 0)
+    assert recorded_place(shown).x == pytest.approx((150 + left + 270) / 2 * PITCH, abs=PITCH)
+    assert place_attributes([shown], level(fine, fill="none"))["offset_x"] == pytest.approx(
+        (150 + left) * PITCH, abs=1.5 * PITCH
+    )
 
 
 def test_missing_points_are_left_out(field):

@@ -11,8 +11,13 @@ from roughcontact.surface.faces.placing import joined_overviews, place_in_words
 from roughcontact.surface.preparation import preparation_of
 
 
-def write_overviews(measured: DataArray, levelled: DataArray, files: Sequence[Mapping]) -> None:
-    """Read, level and place the overviews of a map (y, x; m): overview.nc; each file with its position."""
+def write_overviews(
+    measured: DataArray, levelled: DataArray, files: Sequence[Mapping], middle: tuple[float, float]
+) -> None:
+    """Read, level and place the overviews of a map (y, x; m): overview.nc.
+
+    Each file has its position, which is of the `middle` (x, y; m) of the map of which this one may be a part.
+    """
     settings = snakemake.params.settings["overview"]
     preparation, fields = preparation_of(measured, settings), []
     for file in files:
@@ -20,7 +25,7 @@ def write_overviews(measured: DataArray, levelled: DataArray, files: Sequence[Ma
         position = arguments.pop("position", "")
         try:
             overview = read_height_map(**arguments)
-            fields.append(preparation.overview(levelled, overview, settings["level"], position))
+            fields.append(preparation.overview(levelled, overview, settings["level"], position, middle))
         except RoughContactError as error:
             raise type(error)(f"{error} ({snakemake.params.row['origin']})") from error
         say(f"note: {file['path']}: {place_in_words(fields[-1])}")

@@ -13,6 +13,7 @@ from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
 from roughcontact.results.storage import read_dataset
 from roughcontact.study.tiles import Tile, cut
+from roughcontact.surface.faces.placing import middle_of
 from roughcontact.surface.preparation import preparation_of
 from roughcontact.surface.preparation.region import read_region
 from roughcontact.surface.profiles.surface import stacked
@@ -24,6 +25,7 @@ try:
     tile, along = arguments.pop("parts", None), arguments.pop("along", ())
     overviews, maps_of_place = arguments.pop("overview", ()), arguments.pop("place", ())
     height = read_region(row["path"], **arguments)
+    middle = middle_of(height)  # which a stated position in an overview is of
     if along:
         height = stacked(height, [read_height_map(**profile) for profile in along])
     if tile:
@@ -42,7 +44,7 @@ del height  # large maps leave no room for two
 measured = read_dataset(output.height)["height"]
 levelled = preparation_of(measured, settings["levelled"]).level(measured, settings["levelled"]["level"])
 if overviews:  # one that does not show the map is known before anything is solved
-    write_overviews(measured, levelled, overviews)
+    write_overviews(measured, levelled, overviews, middle)
 save(levelled, output.levelled, settings["levelled"], source=measured.attrs)
 del measured, levelled
 if "window" in dict(output.items()):  # a face is windowed together with its counter-face

@@ -63,16 +63,36 @@ class Place:
         return ", ".join([*words, f"correlation {number(self.correlation, decimals=2)}"])
 
 
-def overview_with_place(levelled: xr.DataArray, overview: xr.DataArray, position: str = "") -> xr.DataArray:
+def middle_of(height: xr.DataArray) -> tuple[float, float]:
+    """Return x and y (m) of the middle of a map in its own coordinates."""
+    return float(height["x"].mean()), float(height["y"].mean())
+
+
+def overview_with_place(
+    levelled: xr.DataArray,
+    overview: xr.DataArray,
+    position: str = "",
+    middle: tuple[float, float] | None = None,
+) -> xr.DataArray:
     """Return the measured part of a levelled overview, with the place of a levelled map in its attributes.
 
-    `position` is what the table states (`arguments.positions`); one of another position has no place.
+    `position` is what the table states (`arguments.positions`), of the `middle` (`middle_of`) of the map before
+    a part of it was taken; one of another position has no place. The overview counts from its lower left corner.
     """
-    fine, field = measured_rectangle(levelled), measured_rectangle(overview)
+    corner = {
+        axis: overview[axis].copy(data=(np.arange(overview.sizes[axis]) + 0.5) * step)
+        for axis, step in zip("yx", spacing(overview), strict=True)
+    }
+    fine, field = measured_rectangle(levelled), measured_rectangle(overview.assign_coords(corner))
     if position == ELSEWHERE:  # stated by the user: other places of the face are of use, too
         check_size(fine, field)
         return field
-    place = place_of(fine, field, near=parse_position(position))
+    near = parse_position(position)
+    if near is not None:
+        # what is looked for is less than the map where parts, or points at its border, are left out
+        x, y = np.add(near, middle_of(fine)) - (middle or middle_of(levelled))
+        near = float(x), float(y)
+    place = place_of(fine, field, near=near)
     return field.assign_attrs({f"{_PREFIX}{key}": value for key, value in asdict(place).items()})
 
 
@@ -139,8 +159,10 @@ def place_attributes(overviews: Sequence[xr.DataArray], levelled: xr.DataArray) 
     for overview in overviews:
         place, frame = recorded_place(overview), frame_of_place(overview, fine)
         if place and frame:
-            x, y, *_ = frame
-            return {"correlation": place.correlation, "scale": place.scale, "offset_x": x, "offset_y": y}
+            _, _, side_x, side_y = frame
+            # of the overview, of which the measured part may begin later
+            offsets = {"offset_x": place.x - side_x / 2, "offset_y": place.y - side_y / 2}
+            return {"correlation": place.correlation, "scale": place.scale, **offsets}
     return {}
 
 

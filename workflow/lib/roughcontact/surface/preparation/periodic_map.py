@@ -31,16 +31,21 @@ class MapPreparation:
         return level(height, **options)
 
     def overview(
-        self, levelled: xr.DataArray, overview: xr.DataArray, options: Mapping[str, Any], position: str = ""
+        self,
+        levelled: xr.DataArray,
+        overview: xr.DataArray,
+        options: Mapping[str, Any],
+        position: str = "",
+        middle: tuple[float, float] | None = None,
     ) -> xr.DataArray:
         """Return a coarser map of a field around a levelled one, levelled alike, with the place of this.
 
-        `position` states it (`arguments.positions`).
+        `position` states it (`arguments.positions`), of the `middle` that the map had before it was cut.
         """
         if self.without_overview:
             text = f"overview: is of a map of a surface that goes on, not of {self.without_overview}"
             raise HeightMapError(f"{text}; leave it out")
-        return overview_with_place(levelled, self.level(overview, options), position)
+        return overview_with_place(levelled, self.level(overview, options), position, middle)
 
     def window(self, levelled: xr.DataArray, settings: Settings) -> xr.DataArray:
         """Return the map that is solved (y, x; m), by the sections `window`, `instrument` and `form`."""
