@@ -400,6 +400,13 @@ def test_repeats_know_each_other(table):
     assert surfaces["b"].read_arguments["repeat"] == {"name": "a", "path": "a.npy"}
 
 
+def test_a_repeat_is_read_without_what_lies_around_it(table):
+    rows = "a\ta.npy\t\tfield.npy", "b\tb.npy\ta\t"
+    surfaces = read_surfaces(table("surface\tpath\trepeat_of\toverview", *rows))
+    assert surfaces["b"].read_arguments["repeat"] == {"name": "a", "path": "a.npy"}
+    assert surfaces["a"].read_arguments["overview"] == [{"path": "field.npy"}]
+
+
 def test_repeats_in_a_group_are_of_one_part(table):
     rows = ["a\ta.npy\tb\tground\t", "b\tb.npy\t\tground\t", "c\tc.npy\t\tground\t"]
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\tgroup\tpart", *rows))

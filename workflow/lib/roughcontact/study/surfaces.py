@@ -622,7 +622,7 @@ def _attach_repeats(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
     pairs = [(name, row.repeat_of) for name, row in surfaces.items() if row.repeat_of]
     for name, partner in [*pairs, *(pair[::-1] for pair in pairs)]:
         row, partner_row = surfaces[name], surfaces[partner]
-        repeat = {"name": partner, "path": str(partner_row.path), **partner_row.read_arguments}
+        repeat = {"name": partner, "path": str(partner_row.path), **_cells_of_map(partner_row)}
         specimen = row.specimen
         if row.group == partner_row.group and row.group and not (row.specimen or partner_row.specimen):
             specimen = _first_repeated(surfaces, name)
@@ -630,6 +630,11 @@ def _attach_repeats(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
             result[name], read_arguments={"repeat": repeat, **result[name].read_arguments}, specimen=specimen
         )
     return result
+
+
+def _cells_of_map(row: Surface) -> dict[str, Any]:
+    """Return how the map of a row is read as another map of its place, without what lies around it."""
+    return {key: cell for key, cell in row.read_arguments.items() if key not in (OVERVIEW, "along")}
 
 
 def _attach_places(rows: Mapping[str, Surface], as_read: Mapping[str, Surface]) -> dict[str, Surface]:
@@ -650,7 +655,7 @@ def _attach_places(rows: Mapping[str, Surface], as_read: Mapping[str, Surface]) 
         of_place = []
         for other in maps:
             row = as_read[other]
-            cells = {key: cell for key, cell in row.read_arguments.items() if key not in (OVERVIEW, "along")}
+            cells = _cells_of_map(row)
             cells |= {"earlier": earlier[other]} if earlier[other] else {}
             of_place.append({"name": other, "path": str(row.path), **cells})
         result[name] = replace(result[name], read_arguments={**rows[name].read_arguments, "place": of_place})

@@ -76,8 +76,8 @@ def overview_with_place(
 ) -> xr.DataArray:
     """Return the measured part of a levelled overview, with the place of a levelled map in its attributes.
 
-    `position` is what the table states (`arguments.positions`), of the `middle` (`middle_of`) of the map before
-    a part of it was taken; one of another position has no place. The overview counts from its lower left corner.
+    `position` is what the table states (`arguments.positions`), of the `middle` (`middle_of`) of the map
+    before a part of it was taken; one of another position has no place. Places are from the lower left corner.
     """
     corner = {
         axis: overview[axis].copy(data=(np.arange(overview.sizes[axis]) + 0.5) * step)
