@@ -77,7 +77,7 @@ def overview_with_place(
     """Return the measured part of a levelled overview, with the place of a levelled map in its attributes.
 
     `position` is what the table states (`arguments.positions`), of the `middle` (`middle_of`) of the map
-    before a part of it was taken; one of another position has no place. Places are from the lower left corner.
+    before a part of it was taken; one of another position has no place. Places are from the lower left.
     """
     corner = {
         axis: overview[axis].copy(data=(np.arange(overview.sizes[axis]) + 0.5) * step)
