@@ -84,11 +84,12 @@ def run(script: str) -> int:
 
 if __name__ == "__main__":
     sys.path.append(sys.argv[2])
+    gc.disable()  # what is imported stays, so that no garbage is looked for among it, here or in a job
     with contextlib.suppress(Exception):  # of which every job will complain in its log
         __import__("_imports")
         import snakemake.io  # of which a job's arguments are
-    gc.collect()
     gc.freeze()
+    gc.enable()
     with serve(socket.socket(fileno=int(sys.argv[1]))) as _job_socket:
         __file__, snakemake = pickle.loads(b"".join(iter(lambda: _job_socket.recv(2**20), b"")))
         with contextlib.suppress(OSError):  # for `top` and `ps`

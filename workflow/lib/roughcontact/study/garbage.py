@@ -13,8 +13,9 @@ def collect_rarely() -> None:
     >>> script = "from roughcontact.study.garbage import collect_rarely as run, gc; run(); "
     >>> script += "print(gc.get_threshold()[0])"
     >>> print(subprocess.run([sys.executable, "-c", script], capture_output=True, text=True).stdout.strip())
-    200000
+    400000
     """
-    # nearly all objects are modules, classes and functions, never freed; arrays go by reference counting
-    gc.set_threshold(200_000, 50, 100)
+    # nearly all objects are modules, classes and functions, never freed, 200 000 to 250 000 for a map; arrays
+    # go by reference counting
+    gc.set_threshold(400_000, 50, 100)
     atexit.register(gc.freeze)
