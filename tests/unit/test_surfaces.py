@@ -400,6 +400,14 @@ def test_repeats_know_each_other(table):
     assert surfaces["b"].read_arguments["repeat"] == {"name": "a", "path": "a.npy"}
 
 
+def test_what_allows_a_file_to_be_read_holds_for_its_overview(table):
+    """Or its refusal asks for a cell that is there."""
+    header = "surface\tpath\toverview\tresample\tchecksum"
+    surfaces = read_surfaces(table(header, "a\ta.xyz\tfield.xyz\tlinear\tignore"))
+    expected = {"path": "field.xyz", "resample": "linear", "checksum": "ignore"}
+    assert surfaces["a"].read_arguments["overview"] == [expected]
+
+
 def test_a_repeat_is_read_without_what_lies_around_it(table):
     rows = "a\ta.npy\t\tfield.npy", "b\tb.npy\ta\t"
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\toverview", *rows))
