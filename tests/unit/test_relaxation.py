@@ -65,6 +65,16 @@ def test_the_shift_is_that_of_williams_landel_and_ferry():
     np.testing.assert_allclose(warm.contact_modulus(omega), cold.contact_modulus(omega * factor))
 
 
+def test_temperatures_may_have_their_scale():
+    kelvin = {"table": "PIB", "temperature": "273.15 K"}
+    np.testing.assert_allclose(
+        relaxation_of(kelvin).times, relaxation_of({"table": "PIB", "temperature": 0}).times
+    )
+    both = {"wlf": [8.86, 101.6], "reference_temperature": "20 °C", "temperature": "313.15 K"}
+    plain = {"wlf": [8.86, 101.6], "reference_temperature": 293.15, "temperature": 313.15}
+    np.testing.assert_allclose(relaxation_of(SERIES | both).times, relaxation_of(SERIES | plain).times)
+
+
 @pytest.mark.parametrize("name", compound_names())
 def test_a_named_rubber_is_a_causal_material_within_the_range_of_its_data(name):
     rubber = relaxation_of(name)
@@ -126,6 +136,12 @@ def test_a_named_rubber_at_another_temperature():
             SERIES | {"wlf": [8.86, 101.6], "reference_temperature": 20, "temperature": -90},
             "110 K below its reference",
         ),
+        (
+            SERIES | {"wlf": [8.86, 101.6], "reference_temperature": 20, "temperature": 293},
+            "273 K above its reference, .* both in °C or both in K",
+        ),
+        ({"table": "PIB", "temperature": 293}, "268 K above its reference"),
+        ({"table": "PIB", "temperature": "60 F"}, "'60 F': unknown temperature scale 'F'"),
         (SERIES | {"tau": [1.0]}, "relaxation.tau: unknown"),
         ("nowhere.csv", "relaxation = nowhere.csv: not read as a table: .*; by name there are EPDM-70, poly"),
         (pd.DataFrame({"f": [1.0], "E'": [1e6]}), "no column 'loss_modulus'"),

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from roughcontact.arguments.materials import RIGID
 from roughcontact.arguments.ranges import OF_BODIES, name_of_range, shares_of_range, weighted
 from roughcontact.arguments.stacks import located_materials, materials_in
+from roughcontact.arguments.units import celsius
 from roughcontact.errors import SettingsError
 
 _SI = {"GPa": 1e9, "MPa": 1e6, "nOhm_m": 1e-9}
@@ -145,7 +146,7 @@ def temperature_limits(bodies: Sequence[Mapping[str, Any]] | None) -> dict[str, 
             limits[name] = {"lowest": lowest, "highest": highest}
             relaxation = body.get("relaxation")
             if isinstance(relaxation, Mapping) and relaxation.get("temperature") is not None:
-                limits[name]["stated"] = float(relaxation["temperature"])
+                limits[name]["stated"] = celsius(relaxation["temperature"])
     return limits
 
 

@@ -20,11 +20,13 @@ from roughcontact.arguments.bodies import check_poissons_ratio
 from roughcontact.arguments.checking import check_positive
 from roughcontact.arguments.named_materials import compound, compound_names
 from roughcontact.arguments.si import convert_quantity
-from roughcontact.arguments.units import unit_factor, unknown_unit
+from roughcontact.arguments.units import celsius, unit_factor, unknown_unit
 from roughcontact.errors import SettingsError
 
 TERMS_PER_DECADE = 10
 MAX_MISFIT = 0.1  # rms, relative: beyond, E' and E'' are not those of one linear material
+_MAX_WARMING = 200.0  # K over the reference
+_SCALES = "both in °C or both in K"
 RUBBER_RATIO = 0.5  # Poisson's, where none is stated
 _COLUMNS = {
     "frequency": r"(f|freq|frequency)",
@@ -249,11 +251,23 @@ def _shift(stated: Mapping[str, Any]) -> float:
     if len(given_keys) < len(keys) or np.shape(stated["wlf"]) != (2,):
         raise SettingsError(
             "relaxation: another temperature needs wlf = [C1, C2 (K)], reference_temperature and "
-            f"temperature, both in °C or both in K; given: {', '.join(given_keys)}",
+            f"temperature, {_SCALES}; given: {', '.join(given_keys)}",
             keys=["relaxation"],
         )
-    first, second = map(float, stated["wlf"])
-    difference = float(stated["temperature"]) - float(stated["reference_temperature"])
+    try:
+        first, second = map(float, stated["wlf"])
+        difference = celsius(stated["temperature"]) - celsius(stated["reference_temperature"])
+    except (TypeError, ValueError) as error:
+        text = ", ".join(f"{key} = {stated[key]!r}" for key in keys)
+        raise SettingsError(f"relaxation: {text}: {error}", keys=["relaxation"]) from None
+    # a scale that is not that of the reference is 273 off
+    if difference > _MAX_WARMING:
+        raise SettingsError(
+            f"relaxation.temperature is {difference:g} K above its reference, and the law of Williams, "
+            f"Landel and Ferry holds over about 100 K; give {_SCALES}, or each with its own (20 °C, 293 K); "
+            "without a scale it is that of the reference, °C of a rubber by its name",
+            keys=["relaxation"],
+        )
     if second + difference <= 0:
         raise SettingsError(
             f"relaxation.temperature is {-difference:g} K below its reference, where the law of Williams, "

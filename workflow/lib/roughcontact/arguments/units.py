@@ -35,6 +35,7 @@ _QUANTITIES = {
 }
 _RAISED = str.maketrans("23", "²³")
 _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+_ZEROS = {"K": 273.15, **dict.fromkeys(("°C", "degC", "deg C", "C"), 0.0)}  # of °C
 _NUMBER_AND_UNIT = re.compile(rf"\s*{_NUMBER}\s*(\S.*)", re.DOTALL)
 
 
@@ -140,6 +141,23 @@ def convert_to_base_unit(value: Any, base: str) -> Any:
         if inverse and 1 / inverse == factor
         else float(number_and_unit[1]) * factor
     )
+
+
+def celsius(value: Any) -> float:
+    """Return a temperature with its scale ("293 K", "20 °C") in °C, a bare number as it is.
+
+    Examples
+    --------
+    >>> celsius("20 °C"), round(celsius("293.15 K"), 9), celsius(293.15)
+    (20.0, 20.0, 293.15)
+    """
+    number = _NUMBER_AND_UNIT.fullmatch(value) if isinstance(value, str) else None
+    if number is None:
+        return float(value)
+    scale = _clean(number[2])
+    if scale not in _ZEROS:
+        raise ValueError(f"unknown temperature scale {scale!r}; accepted are °C and K")
+    return float(number[1]) - _ZEROS[scale]
 
 
 def lengths_in_text(text: str, count: int) -> list[float] | None:
