@@ -324,6 +324,19 @@ def test_both_files_and_the_position_are_recorded():
     assert attrs["Sq"] == pytest.approx(float(np.std(together)))
 
 
+def test_the_sum_of_two_faces_shows_what_both_instruments_show():
+    """Whichever face is the first."""
+    fine = rough(1).assign_attrs(
+        instrument_resolution=2e-6, instrument_numerical_aperture=0.5, instrument_amplification_z=0.03
+    )
+    coarse = rough(2).assign_attrs(
+        instrument_resolution=5e-6, instrument_numerical_aperture=0.3, instrument_wavelength=7e-7
+    )
+    expected = {"resolution": 5e-6, "numerical_aperture": 0.3, "wavelength": 7e-7, "amplification_z": 0.03}
+    for faces in ((fine, coarse), (coarse, fine)):
+        assert stated_instrument(composite(*faces), {}) == expected
+
+
 def test_the_noise_of_two_faces_is_that_of_their_sum():
     faces = [rough(1).assign_attrs(instrument_noise=3e-9), rough(2).assign_attrs(instrument_noise=4e-9)]
     instrument = {"noise": 1e-9}
