@@ -92,7 +92,7 @@ def test_a_force_over_an_area_is_judged_as_the_pressure_that_it_is():
     steel = {"contact_modulus": "115 GPa"}
     (question,) = lines(steel | {"force": "50 N", "area": 3})
     assert question.startswith("contact.area = 3: force by area, 16.7 Pa is next to no load on")
-    assert "A bare number is in m2: write the unit" in question
+    assert "A bare number is in m²: write the unit" in question
     (question,) = lines(steel | {"force": 30, "area": "3 m2"})
     assert question.startswith("contact.force[0] = 30: force by area, 10.0 Pa is next to no load on")
     assert "A bare number is in N: write the unit" in question

@@ -314,7 +314,7 @@ def test_every_count_and_every_list_has_an_upper_limit():
         ("contact.bodies.yield_stress", 400, "400 MPa"),
         ("contact.bodies.layers.thickness", 2, "2.00 µm"),
         ("contact.target_gap", [0.2], "200 nm"),
-        ("statistics.work_of_adhesion", 50, "0.0500 J m-2"),
+        ("statistics.work_of_adhesion", 50, "0.0500 J/m²"),
         ("instrument.noise", 2, "2.00 nm"),
         ("instrument.tip_radius", "2", "2.00 µm"),
         ("instrument.wavelength", 520, "520 nm"),

@@ -8,8 +8,9 @@ import xarray as xr
 
 import roughcontact as rc
 from roughcontact.arguments import units
-from roughcontact.arguments.settings.fields import section_model, setting_base
+from roughcontact.arguments.settings.fields import section_model
 from roughcontact.arguments.settings.models import Settings
+from roughcontact.arguments.settings.plausible import setting_base
 from roughcontact.arguments.si import QUANTITIES, labelled_in_si
 from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
 from roughcontact.surface.roughness import heights, parameters, spectrum, summits, texture, traces

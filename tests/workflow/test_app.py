@@ -33,8 +33,9 @@ from starlette.datastructures import QueryParams
 
 from data_samples.make_samples import matrix_bytes, profile_bytes, sdf_bytes, x3p_bytes
 from roughcontact.arguments.rectangles import parse_rectangles
-from roughcontact.arguments.settings.fields import field_at, is_list, section_model, setting_base, value_at
+from roughcontact.arguments.settings.fields import field_at, is_list, section_model, value_at
 from roughcontact.arguments.settings.models import Body, Settings
+from roughcontact.arguments.settings.plausible import setting_base
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.units import printed
 from roughcontact.errors import InputFileError, SettingsError
@@ -375,6 +376,8 @@ class TestJobs:
                 if field
                 else Body.model_json_schema()["properties"]["material"]["description"]
             )
+            # the unit of a bare number stands beside the field, once
+            meaning = meaning.removesuffix(f"; in {unit}")
             assert sentence == f"{' '.join(meaning.split())} {name}"
             assert len(meaning) > 5
             assert (key, described) == (name, sentence)
@@ -412,6 +415,13 @@ class TestJobs:
         for name, field in leaves(Settings, ""):
             if name in units:
                 assert units[name] == printed(setting_base(field)), name
+        # as people write it: no null, no unit that stands beside the field, ² and µ in others
+        text = browser.evaluate(
+            "[...document.querySelectorAll('#fields .meaning, #fields input')]"
+            ".map(part => part.innerText + (part.placeholder ?? '') + '\\n').join('')"
+        )
+        words = r"\bnull\b|[mK]-\d|\b[mcµn]?m[23]\b|\bum\b|; in |, (?:Pa|N|m|s)\b"
+        assert re.findall(f".*(?:{words}).*", text) == []
 
     def test_loads_of_another_question_are_set_aside_and_come_back(self, browser):
         click(browser, "[name='page.job'][value=ball]")

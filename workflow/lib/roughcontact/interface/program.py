@@ -62,7 +62,7 @@ _DERIVED = {
 _LOADS_AND_FORM = {
     "mean-pressure": "nominal pressures, Pa, or with their unit",
     "force": "forces, N, on the area, or on a body of finite size",
-    "area": "nominal area that carries the force, m2",
+    "area": "nominal area that carries the force, m²",
     "form-radius": "of a ball or an ellipsoid, m, on which the map is the roughness (boundary: free)",
     "allowed-pressure": "largest pressure allowed, Pa: the results then say whether it holds",
 }

@@ -89,7 +89,7 @@ def outliers(statistics: xr.Dataset, attrs: Attributes) -> Check:
     are = "it is an error" if removals == 1 else "they are errors"
     return review(
         f"{text}: the result depends on whether {are} of the measurement.",
-        advice=f"See where {lie}; level.outlier_threshold: null keeps every point.",
+        advice=f"See where {lie}; level.outlier_threshold: none keeps every point.",
     )
 
 

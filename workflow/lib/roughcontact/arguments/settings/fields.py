@@ -6,7 +6,7 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from roughcontact.arguments.settings.models import MATERIAL, Section, Settings
-from roughcontact.arguments.settings.plausible import Range
+from roughcontact.arguments.settings.plausible import nested_types
 
 UNKNOWN = FieldInfo(description="no setting")  # of a key that has no field
 
@@ -14,7 +14,7 @@ UNKNOWN = FieldInfo(description="no setting")  # of a key that has no field
 def section_model(field: FieldInfo) -> type[Section] | None:
     """Return the section that a setting holds, alone or in a list; None for a plain value."""
     # a section may stand in a union with None, or in a list
-    types = (type_ for type_ in _types(field.annotation) if isinstance(type_, type))
+    types = (type_ for type_ in nested_types(field.annotation) if isinstance(type_, type))
     return next((type_ for type_ in types if issubclass(type_, Section)), None)
 
 
@@ -29,13 +29,13 @@ def setting_choices(field: FieldInfo) -> list[str]:
     >>> setting_choices(Level.model_fields["order"])
     []
     """
-    literals = (type_ for type_ in _types(field.annotation) if get_origin(type_) is Literal)
+    literals = (type_ for type_ in nested_types(field.annotation) if get_origin(type_) is Literal)
     return [choice for literal in literals for choice in get_args(literal)]
 
 
 def is_list(annotation: Any) -> bool:
     """Return whether a setting of this type takes a list."""
-    return any(get_origin(type_) is list for type_ in _types(annotation))
+    return any(get_origin(type_) is list for type_ in nested_types(annotation))
 
 
 def grouped(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -71,19 +71,6 @@ def _normalise_lists(value: Any) -> Any:
     if entries and all(key.isdecimal() and len(key) < 7 for key in entries):
         return [entries.get(str(index), {}) for index in range(max(map(int, entries)) + 1)]
     return entries
-
-
-def setting_base(field: FieldInfo) -> str:
-    """Return the base unit of a setting that may carry its unit; empty for a plain number and for words.
-
-    Examples
-    --------
-    >>> from roughcontact.arguments.settings.models import Level
-    >>> setting_base(Level.model_fields["s_filter"]), setting_base(Level.model_fields["max_missing"])
-    ('m', '')
-    """
-    metadata = (*field.metadata, *_types(field.annotation))
-    return next((range_.base for range_ in metadata if isinstance(range_, Range)), "")
 
 
 def fields_at(location: Sequence[str | int]) -> dict[str, FieldInfo]:
@@ -187,10 +174,3 @@ def _with_material(fields: Mapping[str, FieldInfo]) -> dict[str, FieldInfo]:
 def _keys(location: Sequence[str | int]) -> list[str]:
     """Return a location without its positions in lists."""
     return [key for key in location if isinstance(key, str) and not key.isdecimal()]
-
-
-def _types(annotation: Any) -> Iterator[Any]:
-    """Yield an annotation, all types within it, and what is noted with them."""
-    yield annotation
-    for argument in get_args(annotation):
-        yield from _types(argument)

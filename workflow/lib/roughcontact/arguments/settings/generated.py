@@ -10,8 +10,9 @@ from typing import Any
 from pydantic.fields import FieldInfo
 
 from roughcontact.arguments.quantities import Unit, percent, quantity
-from roughcontact.arguments.settings.fields import section_model, setting_base, setting_choices
+from roughcontact.arguments.settings.fields import section_model, setting_choices
 from roughcontact.arguments.settings.models import Contact, Section, Settings
+from roughcontact.arguments.settings.plausible import setting_base
 from roughcontact.arguments.units import printed
 
 _HEAD = """\

@@ -45,7 +45,7 @@ from roughcontact.arguments.choices import (
 )
 from roughcontact.arguments.materials import MAX_FRICTION, MAX_HARDNESS, MIN_LOAD, RIGID, SOFTEST, STIFFEST
 from roughcontact.arguments.ranges import with_shares
-from roughcontact.arguments.settings.plausible import Range, bare_number
+from roughcontact.arguments.settings.plausible import Range, bare_number, unit_in_words
 from roughcontact.arguments.units import carries_unit
 
 
@@ -100,6 +100,22 @@ class OneOrMore:
 def _as_list(value: Any) -> Any:
     """Return a single value as a list of one."""
     return value if isinstance(value, list | tuple | NoneType) else [value]
+
+
+class OrNone:
+    """Takes the word none for no value, of a setting whose default is a number."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Return the schema of the value, after the word was taken for none."""
+        return no_info_before_validator_function(
+            lambda value: None if value == "none" else value, handler(source)
+        )
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Admit the word beside the value."""
+        return {"anyOf": [*handler(schema)["anyOf"], {"const": "none"}]}
 
 
 class OrRange:
@@ -230,9 +246,10 @@ class Section(BaseModel):
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
-        """Let each description be the text below the field, in one line."""
+        """Let each description be the text below the field, in one line, and its unit."""
         for name, text in _texts_below_fields().get(cls.__name__, {}).items():
-            cls.model_fields[name].description = " ".join(text.split())
+            field = cls.model_fields[name]
+            field.description = " ".join(text.split()) + unit_in_words(field)
 
     @model_validator(mode="before")
     @classmethod
@@ -250,9 +267,9 @@ class Level(Section):
     """total order of the polynomial, x^i y^j with i + j <= order"""
     robust: bool = False
     """fit without weight on deep valleys and high spikes (otherwise least squares)"""
-    outlier_threshold: Positive | None = 6.0
+    outlier_threshold: Annotated[Positive | None, OrNone()] = 6.0
     """isolated spikes that deviate from their surroundings by more than this many local standard deviations
-    are treated as missing; null keeps every point"""
+    are treated as missing; none keeps every point"""
     line_alignment: LineAlignment = "auto"
     """how rows (scan lines) are shifted to match one another; jitter: by their random jumps from row to row;
     auto: as jitter where the rows clearly jump, otherwise not; median: the median of each row to the same
@@ -260,13 +277,13 @@ class Level(Section):
     scar_threshold: Positive | None = _example(4.0)
     """for scanned maps: pieces of one to four rows that deviate from the rows before and after by more than
     this many standard deviations are treated as missing (4 is a good start); narrow grooves along x look the
-    same; null keeps every point"""
-    s_filter: Length | None = _example("2.5 um")
-    """nesting index of the S-filter (areal Gaussian, ISO 16610-61), m: shorter waves are removed; null keeps
-    them"""
+    same; left empty: every point is kept"""
+    s_filter: Length | None = _example("2.5 µm")
+    """nesting index of the S-filter (areal Gaussian, ISO 16610-61): shorter waves are removed; left empty:
+    they are kept"""
     l_filter: Length | None = _example("0.8 mm")
-    """nesting index of the L-filter (areal Gaussian, ISO 16610-61), m: longer waves are removed; null keeps
-    them"""
+    """nesting index of the L-filter (areal Gaussian, ISO 16610-61): longer waves are removed; left empty:
+    they are kept"""
     fill: Fill = "harmonic"
     """how missing points are filled in; those at the border are cropped instead"""
     max_missing: Number = Field(default=0.4, ge=0, le=1)
@@ -279,7 +296,7 @@ class Composite(Section):
     shifts: Count = Field(default=5, ge=1, le=100)
     """random shifts for each rotation; each is solved"""
     rotations: list[Angle] = Field(default_factory=lambda: [0.0], min_length=1, max_length=360)
-    """angles by which the counter-face is rotated on the face, degrees, from x towards y"""
+    """angles by which the counter-face is rotated on the face, from x towards y"""
     overlap: Number = Field(default=0.75, gt=0, le=1)
     """minimum share of each side of the smaller map that the other one covers"""
     seed: Count = Field(default=0, ge=0, lt=2**32)
@@ -290,7 +307,7 @@ class Form(Section):
     """The nominal form of a body of finite size, of which the map is the roughness (boundary: free)."""
 
     radius: Radii | None = _example("5 mm")
-    """of the body, m; two of an ellipsoid, along x and y; null: the map itself is the body"""
+    """of the body; two of an ellipsoid, along x and y; left empty: the map itself is the body"""
     edges: bool = False
     """whether the body ends where the map does, with sharp edges: a flat punch, a chip, a pin"""
     local_scale: bool = False
@@ -310,11 +327,11 @@ class Window(Section):
     """share of the side over which the two cross-fades blend or taper falls; other methods ignore it"""
     min_share: Number = Field(default=0.05, ge=0, le=1)
     """minimum share of the map that the window must cover; smaller ones are rejected"""
-    shortest_wavelength: Length | None = _example("2 um")
-    """shorter waves are removed from the window, m; null keeps them; the cutoff is sharp, so that steps and
-    particles ring: level.s_filter is smooth"""
-    longest_wavelength: Length | None = _example("100 um")
-    """longer waves are removed from the window, m; null keeps them"""
+    shortest_wavelength: Length | None = _example("2 µm")
+    """shorter waves are removed from the window; left empty: they are kept; the cutoff is sharp, so that
+    steps and particles ring: the S-filter of the levelling is smooth"""
+    longest_wavelength: Length | None = _example("100 µm")
+    """longer waves are removed from the window; left empty: they are kept"""
     reliable_band: bool = False
     """remove waves that are shorter than the instrument resolves (two pixels, or the limit of the lens if the
     file states its numerical aperture)"""
@@ -345,18 +362,18 @@ class Layer(Section):
 
     name: str | None = Field(default=None, max_length=64, examples=["DLC"])
     """for the report"""
-    thickness: Length = Field(examples=["2 um"])
-    """of the layer, m"""
+    thickness: Length = Field(examples=["2 µm"])
+    """of the layer"""
     youngs_modulus: Annotated[Modulus, OrRange()] = Field(examples=["180 GPa"])
-    """Young's modulus of the layer, Pa"""
+    """Young's modulus of the layer"""
     poissons_ratio: Number = Field(gt=-1, le=0.5, examples=[0.2])
     """Poisson's ratio of the layer, no unit"""
     yield_stress: Strength | None = _example("4 GPa")
-    """of the layer in tension, Pa: as that of a body, which with layers is that of its base"""
+    """of the layer in tension: as that of a body, which with layers is that of its base"""
     thermal_conductivity: Annotated[Conductivity, OrRange()] | None = _example(2.0)
-    """of the layer, W m-1 K-1"""
+    """of the layer"""
     electrical_resistivity: Annotated[Resistivity, OrRange()] | None = _example(1.0e-3)
-    """of the layer, Ohm m"""
+    """of the layer"""
     youngs_modulus_uncertainty: RelativeRange | None = _example(0.1)
     """as that of a body, as the two below"""
     thermal_conductivity_uncertainty: RelativeRange | None = _example(0.3)
@@ -373,36 +390,36 @@ class Body(Section):
     name: str | None = Field(default=None, max_length=64, examples=["steel"])
     """of the material, for the report"""
     youngs_modulus: Annotated[Modulus, OrRange()] | None = Field(examples=["210 GPa"])
-    """Young's modulus E, Pa; it, the hardness and the conductivities may be ranges, [1.1 GPa, 1.8 GPa]"""
+    """Young's modulus E; it, the hardness and the conductivities may be ranges, [1.1 GPa, 1.8 GPa]"""
     poissons_ratio: Annotated[Number, Field(gt=-1, le=0.5)] | None = Field(examples=[0.3])
     """Poisson's ratio, no unit"""
     creep_modulus: dict[Time, Modulus] | None = _example({"1 h": "2.1 GPa", "1000 h": "1.4 GPa"})
-    """stress over strain after a time under a constant stress, Pa by s: the results then include area, gap,
-    conductance and leak after these times (docs/how-to/after-ten-years.md)"""
+    """stress over strain after a time under a constant stress, moduli by times: the results then include
+    area, gap, conductance and leak after these times (docs/how-to/after-ten-years.md)"""
     relaxation: str | dict[str, Any] | None = _example("measured/dma.csv")
     """of a rubber: a name, the path of a table of storage and loss modulus over frequency, or a Prony series
     {long_time_modulus, moduli, times}; {table, wlf, reference_temperature, temperature} for another
-    temperature (docs/how-to/rubber.md); without youngs_modulus that is E' at the lowest frequency or the
-    long-time modulus, without poissons_ratio that is 0.5"""
+    temperature (docs/how-to/rubber.md); without Young's modulus that is E' at the lowest frequency or the
+    long-time modulus, without Poisson's ratio that is 0.5"""
     base: Literal["rigid"] | None = None
     """rigid: the layers lie on a base that does not give way, and the body has no elastic constants of its
     own"""
     layers: list[Layer] | None = Field(
         default=None,
         max_length=50,
-        examples=[[{"thickness": "2 um", "youngs_modulus": "180 GPa", "poissons_ratio": 0.2}]],
+        examples=[[{"thickness": "2 µm", "youngs_modulus": "180 GPa", "poissons_ratio": 0.2}]],
     )
-    """bonded layers from the surface inwards, each with thickness (m), youngs_modulus (Pa), poissons_ratio
-    and, if known, yield_stress (Pa)"""
+    """bonded layers from the surface inwards, each with thickness, Young's modulus, Poisson's ratio and, if
+    known, yield stress"""
     hardness: Annotated[Strength, OrRange()] | None = _example("2 GPa")
-    """largest pressure that its surface carries before it yields (indentation hardness), Pa"""
+    """largest pressure that its surface carries before it yields (indentation hardness)"""
     yield_stress: Strength | None = _example("400 MPa")
-    """in tension, Pa: the results then include the stresses below the surface and the load at which it yields
+    """in tension: the results then include the stresses below the surface and the load at which it yields
     there"""
     thermal_conductivity: Annotated[Conductivity, OrRange()] | None = _example(50.0)
-    """W m-1 K-1, of both bodies: the results then include the thermal contact conductance"""
+    """of both bodies: the results then include the thermal contact conductance"""
     electrical_resistivity: Annotated[Resistivity, OrRange()] | None = _example(2.0e-7)
-    """Ohm m, of both bodies: the results then include the electrical contact conductance"""
+    """of both bodies: the results then include the electrical contact conductance"""
     youngs_modulus_uncertainty: RelativeRange | None = _example(0.05)
     """instead of a range, relative, expanded (95 %), no unit, one number or one below and one above, as those
     below; it is part of the ±"""
@@ -426,7 +443,7 @@ class Contact(Section):
     """The contact problem: contact_modulus or bodies, mean_pressure or relative_pressure or neither."""
 
     contact_modulus: Annotated[Modulus, OrRange()] | None = _example("115 GPa")
-    """plane-strain contact modulus E*, Pa, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; 115 GPa for steel on
+    """plane-strain contact modulus E*, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; 115 GPa for steel on
     steel"""
     bodies: list[Body] | None = Field(
         default=None,
@@ -455,27 +472,27 @@ class Contact(Section):
     """the two bodies, instead of contact_modulus: names of materials ([steel, PEEK]), or Young's moduli (Pa),
     Poisson's ratios and optional properties, to which material: steel adds those of a name"""
     mean_pressure: Loads | None = _example(["1 MPa", "2 MPa", "5 MPa", "10 MPa", "20 MPa", "50 MPa"])
-    """nominal pressure, Pa, one number or a list; if no load is given, log-spaced loads are planned"""
+    """nominal pressure, one number or a list; if no load is given, log-spaced loads are planned"""
     relative_pressure: RelativeLoads | None = _example([0.01, 0.05, 0.2])
     """nominal pressure / (E* x rms gradient of the window), no unit, one number or a list"""
     boundary: Boundary = "periodic"
     """periodic: the map repeats; free: a body of finite size (section form) under a force"""
     force: Forces | None = _example("50 N")
-    """N, one number or a list: on a body of finite size; with area, or form.local_scale, instead of
-    mean_pressure"""
-    area: Area | None = _example("3 cm2")
-    """nominal area that carries the force, m2"""
+    """one number or a list: on a body of finite size; with an area, or on a local scale (form), instead of a
+    mean pressure"""
+    area: Area | None = _example("3 cm²")
+    """nominal area that carries the force"""
     target_area: Shares | None = _example([0.1])
     """relative contact area whose load is found and solved, in addition to the given loads; one number or a
     list"""
     target_gap: Gaps | None = _example(["0.2 µm"])
-    """mean gap, m, whose load is found and solved, in addition to the given loads; one number or a list"""
+    """mean gap whose load is found and solved, in addition to the given loads; one number or a list"""
     target: Targets | None = _example(["percolation"])
     """further states whose load is found and solved: percolation, at which the gap closes along x and along
-    y; first_yield, at which a body begins to yield (its yield_stress below the surface, otherwise the
+    y; first_yield, at which a body begins to yield (its yield stress below the surface, otherwise the
     hardness)"""
     time: Times | None = _example(["1 h", "1000 h"])
-    """times after which a body has crept by its relaxation, s; those of a creep_modulus stand there"""
+    """times after which a body has crept by its relaxation; those of a creep modulus stand there"""
     contact_modulus_uncertainty: HalfRange | None = _example(0.05)
     """of the contact modulus, relative, expanded (95 %), no unit; it is part of the ±"""
     mean_pressure_uncertainty: RelativeUncertainty | None = _example(0.02)
@@ -486,14 +503,14 @@ class Contact(Section):
     """mean displacement in the approach: zero, nogi-kato (its mean over the q = 0 cell), lattice (one contact
     per window in free space); pressure and area do not depend on it"""
     hardness: Annotated[Strength, OrRange()] | None = _example("2 GPa")
-    """largest pressure that the softer body carries before it yields (indentation hardness), Pa: the upper
-    limit of the pressure; not given here if bodies state theirs; without any: elastic throughout"""
+    """largest pressure that the softer body carries before it yields (indentation hardness): the upper limit
+    of the pressure; not given here if bodies state theirs; without any: elastic throughout"""
     hardness_uncertainty: RelativeRange | None = _example([0.2, 0.3])
     """of the hardness, relative, expanded (95 %), no unit, one number or one below and one above; it is part
     of the ±; not given: the range of the bodies"""
     unload: UnloadedFrom = _example(True)
     """take a load off after it was reached, and write the surface that flow has left and the contact on the
-    way back to residual.nc; true: the largest load; or loads, Pa; needs a hardness"""
+    way back to residual.nc; true: the largest load; or loads; needs a hardness"""
     influence: Influence = "sampled"
     """elastic influence function: sampled (exact for each wave of the grid) or elements (pressure constant on
     every pixel)"""
@@ -510,73 +527,73 @@ class Seal(Section):
     """A seal of which the surface is part, and the sealed fluid."""
 
     viscosity: Viscosity = Field(examples=["1 mPa s"])
-    """of the fluid, dynamic, Pa s"""
+    """of the fluid, dynamic"""
     pressure_difference: Pressure = Field(examples=["1 bar"])
-    """of the fluid between both sides of the seal, Pa"""
+    """of the fluid between both sides of the seal"""
     width: Length = Field(examples=["2 mm"])
-    """of the seal in the direction of the flow, m"""
+    """of the seal in the direction of the flow"""
     perimeter: Perimeter | None = _example("120 mm")
-    """length of the seal across the flow, m: the results then include the leak of the whole seal"""
+    """length of the seal across the flow: the results then include the leak of the whole seal"""
     allowed_leak: Flow | None = _example("1 ml/h")
-    """largest leak of the whole seal, m3 s-1: the results then say whether, and from which load on, it holds;
-    needs the perimeter"""
+    """largest leak of the whole seal: the results then say whether, and from which load on, it holds; needs
+    the perimeter"""
     outlet_pressure: Pressure | None = _example("1 bar")
-    """absolute pressure behind the seal, Pa: the fluid is then an ideal gas, which expands on its way, and
-    the leak its volume at this pressure; null: a liquid"""
+    """absolute pressure behind the seal: the fluid is then an ideal gas, which expands on its way, and the
+    leak its volume at this pressure; left empty: a liquid"""
     mean_free_path: Length | None = _example("68 nm")
-    """of the molecules of the gas at the outlet pressure, m: the leak then includes slip; 68 nm for air at 1
+    """of the molecules of the gas at the outlet pressure: the leak then includes slip; 68 nm for air at 1
     bar"""
 
 
 class Joint(Section):
     """What conducts heat beside the metal, and what the joint as a whole may do."""
 
-    area: Area | None = _example("4 mm2")
-    """nominal area of the joint, m2: the results then include the resistances of the whole joint, and its
-    force; null: contact.area"""
-    allowed_resistance: Resistance | None = _example("1 mOhm")
-    """largest electrical resistance of the whole joint, Ohm: the results then say whether, and from which
-    load on, it holds; needs the area and the electrical_resistivity of both bodies"""
+    area: Area | None = _example("4 mm²")
+    """nominal area of the joint: the results then include the resistances of the whole joint, and its force;
+    left empty: the nominal area that carries the force of the contact"""
+    allowed_resistance: Resistance | None = _example("1 mΩ")
+    """largest electrical resistance of the whole joint: the results then say whether, and from which load on,
+    it holds; needs the area and the electrical resistivity of both bodies"""
     allowed_temperature_drop: TemperatureDrop | None = _example("2 K")
-    """largest temperature drop across the joint, K: as allowed_resistance; needs the area, the heat_flow and
-    the thermal_conductivity of both bodies"""
+    """largest temperature drop across the joint: as the allowed resistance; needs the area, the heat flow and
+    the thermal conductivity of both bodies"""
     heat_flow: HeatFlow | None = _example("5 W")
-    """through the whole joint, W: the results then include the temperature drop; needs the area"""
+    """through the whole joint: the results then include the temperature drop; needs the area"""
     gas_conductivity: Conductivity | None = _example(0.026)
-    """of the gas in the gap, W m-1 K-1; null: a vacuum"""
-    temperature_jump: Length | None = _example("0.37 um")
-    """sum of the temperature jump distances of gas and both faces, m; for air at 1 bar and metals about 0.37
-    um"""
+    """of the gas in the gap; left empty: a vacuum"""
+    temperature_jump: Length | None = _example("0.37 µm")
+    """sum of the temperature jump distances of gas and both faces; for air at 1 bar and metals about 0.37
+    µm"""
     film_thickness: Length | None = _example("5 nm")
-    """of an oxide or a coating on the spots, m"""
+    """of an oxide or a coating on the spots"""
     film_conductivity: Conductivity | None = _example(2.0)
-    """of that film, W m-1 K-1"""
+    """of that film"""
 
 
 class Requirement(Section):
     """What the surface has to meet; the results say whether it holds, and up to which Sq it would."""
 
     thermal_resistance: Annotated[Positive, Range("m2 K W-1", 1e-12, 10.0), _AT_MOST] | None = _example(
-        "<= 2e-6 m2 K/W"
+        "<= 2e-6 m² K/W"
     )
-    """thermal resistance times area at most, with film and gas, m2 K W-1; needs the thermal_conductivity of
-    both bodies"""
+    """thermal resistance times area at most, with film and gas; needs the thermal conductivity of both
+    bodies"""
     contact_resistance: Annotated[Positive, Range("Ohm m2", 1e-18, 1.0), _AT_MOST] | None = _example(
-        "<= 10 uOhm mm2"
+        "<= 10 µΩ mm²"
     )
-    """electrical resistance times area at most, Ohm m2; needs the electrical_resistivity of both bodies"""
-    gap: Annotated[Positive, Range("m", 1e-12, 0.01), _AT_MOST] | None = _example("<= 0.5 um")
-    """mean gap at most, m"""
+    """electrical resistance times area at most; needs the electrical resistivity of both bodies"""
+    gap: Annotated[Positive, Range("m", 1e-12, 0.01), _AT_MOST] | None = _example("<= 0.5 µm")
+    """mean gap at most"""
     contact_area: Annotated[Positive, Field(lt=1), _AT_LEAST] | None = _example(">= 0.1")
     """relative contact area at least, no unit"""
     leak: Annotated[Flow, _AT_MOST] | None = _example("<= 1 ml/h")
-    """leak of the whole seal at most, m3 s-1; needs a seal with its perimeter"""
-    resistance: Annotated[Resistance, _AT_MOST] | None = _example("<= 1 mOhm")
-    """electrical resistance of the whole joint at most, Ohm; needs joint.area"""
+    """leak of the whole seal at most; needs a seal with its perimeter"""
+    resistance: Annotated[Resistance, _AT_MOST] | None = _example("<= 1 mΩ")
+    """electrical resistance of the whole joint at most; needs the area of the joint"""
     temperature_drop: Annotated[TemperatureDrop, _AT_MOST] | None = _example("<= 2 K")
-    """temperature drop across the joint at most, K; needs joint.area and joint.heat_flow"""
+    """temperature drop across the joint at most; needs area and heat flow of the joint"""
     pressure: Annotated[Strength, _AT_MOST] | None = _example("<= 1 GPa")
-    """largest pressure in the contact at most, Pa"""
+    """largest pressure in the contact at most"""
 
 
 class Friction(Section):
@@ -587,13 +604,13 @@ class Friction(Section):
     tangential_load: Slips | None = _example([0.3, 0.6])
     """Q/(mu P), below the load of sliding; 1 is full slip; needs the coefficient"""
     shear_strength: Annotated[Strength, OrRange()] | None = _example("50 MPa")
-    """of the contact, Pa: the coefficient of friction follows from the area"""
+    """of the contact: the coefficient of friction follows from the area"""
     shear_strength_uncertainty: RelativeRange | None = _example(0.2)
-    """of the shear strength, as contact.hardness_uncertainty"""
+    """of the shear strength, as that of the hardness"""
     speed: Speed | None = _example("1 m/s")
-    """of sliding along x, m/s: flash temperatures are added; needs thermal_conductivity of both bodies"""
-    thermal_diffusivity: Diffusivity | None = _example("14 mm2/s")
-    """of the second body, which slides, m2/s; null: the temperature of slow sliding, an upper limit"""
+    """of sliding along x: flash temperatures are added; needs the thermal conductivity of both bodies"""
+    thermal_diffusivity: Diffusivity | None = _example("14 mm²/s")
+    """of the second body, which slides; left empty: the temperature of slow sliding, an upper limit"""
 
 
 class Statistics(Section):
@@ -608,18 +625,18 @@ class Statistics(Section):
     auto: if a seal is given"""
     stress: Extra = "auto"
     """whether the stresses below the surface are computed (needs bodies); auto: if one of them states its
-    yield_stress"""
-    work_of_adhesion: Work | None = _example("50 mJ/m2")
-    """of flat surfaces, J m-2: the results then include whether it suffices to press the roughness flat"""
+    yield stress"""
+    work_of_adhesion: Work | None = _example("50 mJ/m²")
+    """of flat surfaces: the results then include whether it suffices to press the roughness flat"""
     seal: Seal | None = _example({"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"})
-    """a seal, whose leak rate the results then include: viscosity (Pa s) and pressure difference (Pa) of the
-    fluid, width (m) of the seal; what it is allowed to leak"""
-    joint: Joint | None = _example({"gas_conductivity": 0.026, "temperature_jump": "0.37 um"})
-    """a joint: gas in the gap beside the spots, a film on them (both bodies state their
-    thermal_conductivity); its area, what it is allowed to resist"""
+    """a seal, whose leak rate the results then include: viscosity and pressure difference of the fluid, width
+    of the seal; what it is allowed to leak"""
+    joint: Joint | None = _example({"gas_conductivity": 0.026, "temperature_jump": "0.37 µm"})
+    """a joint: gas in the gap beside the spots, a film on them (both bodies state their thermal
+    conductivity); its area, what it is allowed to resist"""
     allowed_pressure: Strength | None = _example("1 GPa")
-    """largest pressure in the contact, Pa: the results then say whether, and up to which load, it holds"""
-    requirement: Requirement | None = _example({"thermal_resistance": "<= 2e-6 m2 K/W"})
+    """largest pressure in the contact: the results then say whether, and up to which load, it holds"""
+    requirement: Requirement | None = _example({"thermal_resistance": "<= 2e-6 m² K/W"})
     """what the surface has to meet: the results then say whether it holds, and the largest Sq of this texture
     with which it does; see docs/how-to/requirement.md"""
     friction: Friction | None = _example({"coefficient": 0.2, "tangential_load": [0.3, 0.6]})
@@ -629,25 +646,25 @@ class Statistics(Section):
 class Wear(Section):
     """Running-in: wear of the face by sliding against a smooth one; see docs/how-to/running-in.md."""
 
-    coefficient: WearCoefficient | None = _example("1e-7 mm3/(N m)")
-    """wear coefficient k, worn volume over load and distance, 1/Pa; null: no wear"""
+    coefficient: WearCoefficient | None = _example("1e-7 mm³/(N m)")
+    """wear coefficient k, worn volume over load and distance; left empty: no wear"""
     coefficient_factor: Annotated[Number, Field(ge=1, le=1e6)] = 1.0
     """factor by which the coefficient may be higher or lower (95 %), no unit: it moves the distances alone"""
     distance: Distances | None = _example(["0.1 m", "1 m", "10 m", "100 m"])
-    """sliding distances whose faces and contacts are written to worn.nc, rising, m; needs the coefficient"""
+    """sliding distances whose faces and contacts are written to worn.nc, rising; needs the coefficient"""
     mean_pressure: Pressure | None = _example("20 MPa")
-    """nominal pressure of sliding, Pa; null: the largest load of the contact"""
+    """nominal pressure of sliding; left empty: the largest load of the contact"""
 
 
 class Sliding(Section):
     """Friction of rubber that slides over the face; see docs/how-to/rubber.md."""
 
     speed: Speeds | None = _example(["1 mm/s", "10 mm/s", "0.1 m/s", "1 m/s"])
-    """speeds at which it slides, rising, m/s; one of the bodies states its relaxation; null: no sliding"""
+    """speeds at which it slides, rising; one of the bodies states its relaxation; left empty: no sliding"""
     direction: Angle = 0.0
-    """in which it slides over the face, from x towards y, degree"""
+    """in which it slides over the face, from x towards y"""
     mean_pressure: Pressure | None = _example("0.5 MPa")
-    """nominal pressure of sliding, Pa; null: the largest load of the contact"""
+    """nominal pressure of sliding; left empty: the largest load of the contact"""
 
 
 class Uncertainty(Section):
@@ -665,15 +682,15 @@ class Instrument(Section):
     """What is known of the instrument, for the ±; columns of the table of surfaces prevail."""
 
     noise: Height | None = _example("2 nm")
-    """measurement noise N_M, rms, m"""
-    resolution: Height | None = _example("1.5 um")
-    """topographic spatial resolution W_R, m: the wavelength of which half is transmitted"""
+    """measurement noise N_M, rms"""
+    resolution: Height | None = _example("1.5 µm")
+    """topographic spatial resolution W_R: the wavelength of which half is transmitted"""
     numerical_aperture: Annotated[Number, Field(gt=0, le=1.6)] | None = _example(0.55)
     """of the lens, no unit"""
     wavelength: LightWavelength | None = _example("520 nm")
-    """of the light, m; null: 550 nm"""
-    tip_radius: Height | None = _example("2 um")
-    """of a stylus or a probe, m"""
+    """of the light; left empty: 550 nm"""
+    tip_radius: Height | None = _example("2 µm")
+    """of a stylus or a probe"""
     amplification_z: RelativeUncertainty | None = _example(0.01)
     """uncertainty of the height scale, relative, expanded (95 %), no unit"""
     amplification_xy: RelativeUncertainty | None = _example(0.005)

@@ -6,9 +6,10 @@ A bare number is in the base unit. A value with its unit is never questioned.
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic.fields import FieldInfo
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
 
@@ -16,7 +17,7 @@ from roughcontact.arguments import materials
 from roughcontact.arguments.materials import Doubt
 from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.stacks import located_materials, top_material
-from roughcontact.arguments.units import carries_unit, convert_to_base_unit
+from roughcontact.arguments.units import carries_unit, convert_to_base_unit, printed
 
 Location = tuple[str | int, ...]
 _OF_FORCES: dict[str | int, str] = {"force": "N", "area": "m2"}
@@ -64,10 +65,11 @@ class Range:
         likely = [
             number * factor for factor in factors if max(self.lowest, 0) < number * factor <= self.highest
         ]
-        question = "; did you mean " + " or ".join(quantity(factor, self.base) for factor in likely[:2]) + "?"
+        unit = printed(self.base)
+        question = "; did you mean " + " or ".join(quantity(factor, unit) for factor in likely[:2]) + "?"
         raise ValueError(
-            f"{quantity(number, self.base)} is {reason} ({quantity(limit, self.base)})"
-            f"{question if likely else '.'} {_BARE_NUMBER_RULE.format(unit=self.base)}"
+            f"{quantity(number, unit)} is {reason} ({quantity(limit, unit)})"
+            f"{question if likely else '.'} {_BARE_NUMBER_RULE.format(unit=unit)}"
         )
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -79,6 +81,38 @@ class Range:
     ) -> JsonSchemaValue:
         """Admit a text, the number with its unit, beside the number."""
         return {"anyOf": [handler(schema), {"type": "string"}]}
+
+
+def nested_types(annotation: Any) -> list[Any]:
+    """Return an annotation, all types within it, and what is noted with them."""
+    return [annotation, *(type_ for argument in get_args(annotation) for type_ in nested_types(argument))]
+
+
+def setting_base(field: FieldInfo) -> str:
+    """Return the base unit of a setting that may carry its unit; empty for a plain number and for words.
+
+    Examples
+    --------
+    >>> from roughcontact.arguments.settings.models import Level
+    >>> setting_base(Level.model_fields["s_filter"]), setting_base(Level.model_fields["max_missing"])
+    ('m', '')
+    """
+    metadata = (*field.metadata, *nested_types(field.annotation))
+    bases = {range_.base for range_ in metadata if isinstance(range_, Range)}
+    return bases.pop() if len(bases) == 1 else ""  # moduli by times have two
+
+
+def unit_in_words(field: FieldInfo) -> str:
+    """Return the end of the description of a setting, the unit of a bare number; empty without one.
+
+    Examples
+    --------
+    >>> from roughcontact.arguments.settings.models import Body
+    >>> unit_in_words(Body.model_fields["thermal_conductivity"])
+    '; in W/(m K)'
+    """
+    base = setting_base(field)
+    return f"; in {printed(base)}" if base else ""
 
 
 def bare_number(value: Any) -> float:
@@ -128,7 +162,7 @@ def implausible_together(
         if doubt and not carries_unit(written := _value_at(raw, location)):
             unit = _OF_FORCES.get(where[0], "Pa")
             question = doubt.question() if unit == "Pa" else f"force by area, {doubt.question()}"
-            yield location, f" = {written!r}: {question} {_BARE_NUMBER_RULE.format(unit=unit)}"
+            yield location, f" = {written!r}: {question} {_BARE_NUMBER_RULE.format(unit=printed(unit))}"
 
 
 def _value_at(section: Any, location: Location) -> Any:

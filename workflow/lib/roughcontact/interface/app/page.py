@@ -8,7 +8,7 @@ from typing import Any
 from starlette.datastructures import QueryParams
 
 from roughcontact.arguments import named_materials, rectangles, units
-from roughcontact.arguments.settings import fields, generated, models
+from roughcontact.arguments.settings import fields, generated, models, plausible
 from roughcontact.errors import SettingsError
 from roughcontact.interface.app import commands, jobs, measurements, study
 from roughcontact.report.template import template
@@ -18,7 +18,10 @@ from roughcontact.study import surfaces
 FOLDER = Path(__file__).with_name("page")
 _TEMPLATE = template("page.html", folder=FOLDER)
 # what the templates read of the settings, the table and the results
-_MODULES = (commands, fields, generated, jobs, models, named_materials, outcome, rectangles, surfaces, units)
+_MODULES = (
+    *(commands, fields, generated, jobs, models, named_materials, outcome, plausible, rectangles),
+    *(surfaces, units),
+)
 _SECTIONS = ("problem", "question", "files", "fields", "run", "look")
 _OF_ROWS = ("add", "set", "remove", "undo", "all")
 _PLAIN = ("check", "state", "export", "look", "all")  # buttons that change neither settings nor table
