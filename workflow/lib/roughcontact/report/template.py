@@ -3,12 +3,16 @@
 import base64
 import hashlib
 import re
+import sys
+from contextlib import suppress
 from functools import cache
+from importlib.util import cache_from_source
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup, escape
 
+from roughcontact.arguments import quantities
 from roughcontact.arguments.quantities import number, percent, quantity
 
 if TYPE_CHECKING:
@@ -51,10 +55,34 @@ def _environment(folder: Path | None) -> "jinja2.Environment":
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        bytecode_cache=None if sys.dont_write_bytecode else _bytecode_cache(),
     )
     environment.filters |= {"digests": _digests, "raised": _raised}
     environment.filters |= {"number": number, "percent": percent, "quantity": quantity}
     return environment
+
+
+def _bytecode_cache() -> "jinja2.BytecodeCache":
+    """Return where compiled templates are kept: beside the modules that Python has compiled, as they are."""
+    from jinja2 import FileSystemBytecodeCache
+    from jinja2.bccache import Bucket
+
+    class Cache(FileSystemBytecodeCache):
+        """Compiled templates, none in a folder that cannot be used and no more on a full disk."""
+
+        def load_bytecode(self, bucket: Bucket) -> None:
+            with suppress(OSError):
+                super().load_bytecode(bucket)
+
+        def dump_bytecode(self, bucket: Bucket) -> None:
+            with suppress(OSError):
+                Path(self.directory).mkdir(parents=True, exist_ok=True)
+                super().dump_bytecode(bucket)
+
+    # Jinja compares the text of a template; options and filters of constants are compiled in, too
+    sources = [Path(file).read_bytes() for file in (__file__, quantities.__file__)]
+    digest = hashlib.sha256(b"".join(sources)).hexdigest()[:16]
+    return Cache(str(Path(cache_from_source(__file__)).parent), f"template.{digest}-%s.pyc")
 
 
 def _raised(text: str) -> Markup:
