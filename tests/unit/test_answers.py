@@ -25,7 +25,7 @@ from roughcontact.arguments.quantities import with_interval
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.interface.command_line import answers
 from roughcontact.report.cases import case_table
-from roughcontact.report.glance import HEADINGS, NOT_JUDGED, asked_columns, glance_rows
+from roughcontact.report.glance import HEADINGS, NOT_JUDGED, asked_columns, glance_rows, load_heading
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import group_rows
 from roughcontact.report.methods import methods_paragraph
@@ -115,9 +115,11 @@ def test_the_screen_has_the_cells_of_the_page(result, monkeypatch):
     rows = glance_rows(result, indices=loads_of(result))
     every_load = glance_rows(result, indices=range(result.sizes["load"]))
     lines = [marked(line) for line in answers.answers(result, every_load, [[]] * result.sizes["load"])]
-    judged, asked = {}, [HEADINGS[place] for place in asked_columns([result])]
-    for heading, cells in zip(HEADINGS, zip(*rows, strict=True), strict=True):
-        if heading in asked and any(cell.text != NOT_JUDGED for cell in cells):
+    _, *places = asked_columns([result])
+    judged, asked = {}, [load_heading([result]), *(HEADINGS[place] for place in places)]
+    for heading, place in zip(asked, [0, *places], strict=True):
+        cells = [row[place] for row in rows]
+        if any(cell.text != NOT_JUDGED for cell in cells):
             texts = [text for cell in cells for text in (cell.text, cell.details, cell.known)]
             judged[marked(heading)] = marked(words(" ".join([heading, *texts])))
     table, unanswered = lines, ""

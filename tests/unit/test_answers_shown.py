@@ -22,6 +22,7 @@ from roughcontact.report.glance import (
     answer_line,
     glance_rows,
     glance_units,
+    load_heading,
 )
 from roughcontact.report.page import _comparisons
 from roughcontact.report.tables import number_tables
@@ -247,8 +248,9 @@ def test_periodic_results_beside_those_of_a_finite_body(tmp_path):
     series = {
         (labels["surface"], labels["case"]): data for labels, data in solved_results(collect_statistics(runs))
     }
-    forces = {case: glance_rows(data)[0][0].details for (_, case), data in series.items()}
-    assert forces == {"whole": "", "free": "1.00 mN", "free2": "2.00 mN"}
+    loads = {case: glance_rows(data)[0][0].text for (_, case), data in series.items()}
+    assert loads == {"whole": "1.00 MPa", "free": "1.00 mN", "free2": "2.00 mN"}
+    assert load_heading([*series.values()]) == "load"
     ((_, text),) = _comparisons(series, {}, has_groups=False, large=True)
     assert "theories" in text
     assert _comparisons(dict([*series.items()][1:]), {}, has_groups=False, large=True) == []

@@ -13,6 +13,7 @@ from scipy.special import ellipk
 import roughcontact as rc
 from roughcontact.arguments.finite_body import recover_roughness
 from roughcontact.arguments.maps import height_map
+from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.settings.stages import stage_settings
 from roughcontact.contact.elasticity.closed_forms import hertz, hertz_ellipse
@@ -22,7 +23,7 @@ from roughcontact.evaluation.pipeline import run_chain
 from roughcontact.interface.program import main
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.facts import surface_facts
-from roughcontact.report.glance import Cell, glance_rows
+from roughcontact.report.glance import HEADINGS, Cell, asked_columns, glance_rows, load_heading
 from roughcontact.report.load_plots import area_against_load
 from roughcontact.report.map_plots import pressure_map
 from roughcontact.report.panel import _fields
@@ -750,7 +751,13 @@ def test_the_page_of_a_body_shows_force_and_radius_and_no_empty_interval():
     sources = {"uncertainty": {"sources": ["solver", "discretisation", "window"]}}
     contact = FREE | {"force": ["20 mN", "50 mN"]}
     answer = rc.evaluate(ground(1e-8, (64, 64)), contact=contact, form={"radius": "5 mm"}, **sources)
-    assert [row[0].details for row in glance_rows(answer)] == ["20.0 mN", "50.0 mN"]
+    # force, contact radius, approach and largest pressure come first; the mean pressure over the map is none
+    rows, places = glance_rows(answer), asked_columns([answer])
+    assert [row[0]._replace(outcome="") for row in rows] == [Cell("20.0 mN"), Cell("50.0 mN")]
+    headings = [load_heading([answer]), *(HEADINGS[place] for place in places[1:])]
+    assert headings == ["force", "contact radius", "approach", "largest pressure"]
+    approach = [rows[1][place].text for place in places if HEADINGS[place] == "approach"]
+    assert approach == [quantity(-float(answer["approach"][1]), "m")]
     table = number_tables(answer, [[], []])[0]
     titles = [title for title, *_ in table["header"]]
     cells = dict(zip(titles, table["rows"][1]["cells"], strict=True))

@@ -147,6 +147,7 @@ USUAL = (AREA, PRESSURE, GAP)  # what is shown where nothing in particular is as
 # column of a table at a glance -> the numbers of which any shows that it is asked for
 ASKED_BY = {
     "contact_radius": ("contact_radius",),
+    "approach": ("contact_radius",),
     "sealing": ("leak_rate_x",),
     PEAK: ("contact_radius", "allowed_pressure"),
     "conductance": ("joint_conductance", "temperature_drop", "allowed_resistance"),

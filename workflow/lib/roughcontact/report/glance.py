@@ -44,12 +44,13 @@ COLUMN_NAMES = (*ANSWERS, *_FURTHER)  # that follow the load
 HEADINGS = (
     TITLES["mean_pressure"],
     *(answer.heading for answer in ANSWERS.values()),
-    *(TITLES[name] for name in _FURTHER),
+    *(TITLES.get(name, name) for name in _FURTHER),
 )
 IN_WORDS = [answer.heading for answer in ANSWERS.values() if not answer.quantity]  # they hold no number
 
 _CLOSED = "closed (< 1 nm)"
 _NO_INTERVAL = "no ±"
+_EXACT = "taken as exact"  # ends a remark that holds at all loads of a surface
 _DECIDED, _NOT_DECIDED = "decided", "not decided"  # of a yes or no
 _OF_YIELD = (  # numbers of a load, or of the surface, that tell whether a body yields
     *("volume_above_yield", "load_share_above_hardness", "area_share_above_hardness", "hardness"),
@@ -117,20 +118,68 @@ def asked_columns(results: Sequence[xr.Dataset]) -> list[int]:
     >>> seal, bearing = xr.Dataset({"leak_rate_x": ("load", [1e-9])}), xr.Dataset({"allowed_pressure": 1e9})
     >>> [[HEADINGS[place] for place in asked_columns([result])[1:]] for result in (seal, bearing)]
     [['seals?'], ['contact area', 'pressure in contact', 'mean gap', 'largest pressure']]
+    >>> [HEADINGS[place] for place in asked_columns([xr.Dataset({"contact_radius": ("load", [5e-5])})])[1:]]
+    ['contact radius', 'approach', 'largest pressure']
     """
     names_asked: set[str] = set()
     for numbers in results:
         names = {key for key, by in ASKED_BY.items() if any(has_number(numbers, name) for name in by)}
         names_asked |= names if names - {PEAK} else {*USUAL, *names}
-    return [0, *(column for column, name in enumerate(COLUMN_NAMES, 1) if name in names_asked)]
+    order = [*USUAL, *ASKED_BY]
+    return [0, *(1 + COLUMN_NAMES.index(name) for name in order if name in names_asked)]
 
 
-def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell]) -> str:
+def load_heading(results: Sequence[xr.Dataset]) -> str:
+    """Return the heading of the first column: what the loads of some surfaces are stated as.
+
+    Examples
+    --------
+    >>> ball, seal = xr.Dataset({"force": ("load", [5.0])}), xr.Dataset({"mean_pressure": ("load", [1e6])})
+    >>> load_heading([ball]), load_heading([seal]), load_heading([ball, seal])
+    ('force', 'mean pressure', 'load')
+    """
+    headings = {"force" if has_number(numbers, "force") else HEADINGS[0] for numbers in results}
+    return headings.pop() if len(headings) == 1 else "load"
+
+
+def exact_remarks(cells: Sequence[Cell]) -> str:
+    """Return what the cells of a load take as exact, in one line; empty for nothing.
+
+    Examples
+    --------
+    >>> exact_remarks([Cell("20 %", remark="hardness taken as exact"), Cell("4 µm")])
+    'Hardness taken as exact.'
+    """
+    parts = [part for cell in cells for part in cell.remark.split(", ") if part.endswith(_EXACT)]
+    text = "; ".join(dict.fromkeys(parts))
+    return f"{text[0].upper()}{text[1:]}." if text else ""
+
+
+def without_repetition(cells: Sequence[Cell], line: str) -> list[Cell]:
+    """Return the cells of a load without what the line above them says is taken as exact.
+
+    Examples
+    --------
+    >>> cell = Cell("20 %", "± 3", precision="to ± 15 %", remark="hardness taken as exact")
+    >>> [without_repetition([cell], line)[0].remark for line in ("; hardness taken as exact.", "")]
+    ['', 'hardness taken as exact']
+    """
+    remarks = [cell.remark.split(", ") for cell in cells]
+    return [
+        cell._replace(
+            remark=", ".join(part for part in parts if not part.endswith(_EXACT) or part not in line.lower())
+        )
+        for cell, parts in zip(cells, remarks, strict=True)
+    ]
+
+
+def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell], *, alone: bool = False) -> str:
     """Return what a surface is asked for at a load, whose cells of `glance_rows` these are, in one line.
 
-    Whether what is allowed holds comes first.
+    Whether what is allowed holds comes first. A line that is `alone` has all that the cells have.
     """
     words, places = [], asked_columns([numbers])[1:]
+    allowed = [allowed_in_words(numbers, name, index) for name in stated_allowed(numbers)]
     remarks = Counter(cells[column].remark for column in places)
     repeated = [remark for remark, count in remarks.items() if remark and count > 1]
     for column in places:
@@ -140,10 +189,13 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell]) -> str:
             if HEADINGS[column] in IN_WORDS
             else f"{ANSWERS[name].words if name in ANSWERS else HEADINGS[column]} "
         )
-        precision = cell.precision if cell.remark in repeated else cell.known
+        known = [cell.precision if cell.remark in repeated else cell.known]
+        if alone:
+            details = [part for part in cell.details.split("; ") if part not in allowed]
+            known = [*details, *known, VERDICTS.get(cell.outcome, "")]
+        precision = ", ".join(filter(None, known))
         words.append(f"{subject}{cell.text}{f' ({precision})' if precision else ''}")
-    allowed = [allowed_in_words(numbers, name, index) for name in stated_allowed(numbers)]
-    line = "; ".join([f"at {cells[0].details or cells[0].text}: {', '.join(words)}", *repeated])
+    line = "; ".join([f"at {cells[0].text}: {', '.join(words)}", *repeated])
     return " ".join(f"{text[0].upper()}{text[1:]}." for text in [*allowed, line])
 
 
@@ -208,11 +260,13 @@ def glance_rows(
 
 
 def _load_cell(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
-    """Return the mean pressure of a load, with the force where that is what was stated."""
+    """Return the mean pressure of a load, or the force that was stated, of a nominal area with both."""
     cell = interval_cell(numbers, "mean_pressure", units, index)._replace(outcome=outcome_of(numbers, index))
     if not has_number(numbers, "force"):
         return cell
-    return cell._replace(details=quantity(float(numbers["force"][index]), "N"))
+    # that of a body of finite size is over a map of any size
+    pressure = "" if has_number(numbers, "contact_radius") else cell.text
+    return cell._replace(text=quantity(float(numbers["force"][index]), "N"), details=pressure)
 
 
 def outcome_of(numbers: Numbers, index: int, answer: str = "") -> str:
@@ -340,15 +394,11 @@ def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     return Cell(NOT_JUDGED)
 
 
-def _size(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
-    """Return the radius of the contact of a body of finite size, and its approach."""
-    if not has_number(numbers, "contact_radius"):
+def _approach(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
+    """Return the approach of a body of finite size, which no source of the ± is known of."""
+    if not has_number(numbers, "contact_radius") or not has_number(numbers, "approach"):
         return Cell(NOT_JUDGED)
-    cell = interval_cell(numbers, "contact_radius", units, index)
-    approach = (
-        f"approach {quantity(-float(numbers['approach'][index]), 'm')}" if "approach" in numbers else ""
-    )
-    return cell._replace(details="; ".join(filter(None, [cell.details, approach])))
+    return Cell(quantity(-float(numbers["approach"][index]), "m"), _NO_INTERVAL)
 
 
 # of the answers that are more than a number with its interval
@@ -356,5 +406,5 @@ _CELLS: dict[str, Callable[[Numbers, Mapping[str, Unit], int], Cell]] = {
     "sealing": _seals,
     "yield": _yields,
     "conductance": _conducts,
-    "contact_radius": _size,
+    "approach": _approach,
 }

@@ -23,9 +23,12 @@ from roughcontact.report.glance import (
     Cell,
     answer_line,
     asked_columns,
+    exact_remarks,
     glance_rows,
     glance_units,
+    load_heading,
     loads_to_compare,
+    without_repetition,
 )
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import comparison_rows, differences_in_words, group_picture, group_rows
@@ -90,6 +93,12 @@ def write_report(
         key, path_of_panel = (entry["surface"], entry["case"]), file_of(entry, "panel.html")
         panel = read_summary(path_of_panel)
         numbers, cells = series[key], glance_rows(series[key], units[key], panel["loads"])
+        alone = len(cells) == len(finished) == 1  # then no table of loads repeats it
+        if alone or len(cells) > 1:
+            line = answer_line(numbers, panel["loads"][-1], cells[-1], alone=alone)
+        else:  # the row is the answer
+            line = exact_remarks([cells[0][column] for column in columns_asked])
+        cells = [without_repetition(cells_of_load, line) for cells_of_load in cells]
         rows.append(
             {
                 **entry,
@@ -98,7 +107,7 @@ def write_report(
                 "residual": file_of(entry, "residual.nc"),
                 "worn": file_of(entry, "worn.nc"),
                 "sliding": file_of(entry, "sliding.nc"),
-                "answer": answer_line(numbers, panel["loads"][-1], cells[-1]),
+                "answer": line,
                 "glance": [[cells_of_load[column] for column in columns_asked] for cells_of_load in cells],
                 "further": [[cells_of_load[column] for column in further] for cells_of_load in cells],
                 "numbers": _compared(numbers, units[key], compared_at[key]) if has_index else [],
@@ -117,8 +126,8 @@ def write_report(
     cases = [*(case for _, case in series), *(failure["case"] for failure in failures)]
     head: dict[str, Any] = {"title": title, "version": __version__, "words": VERDICTS}
     head |= {
-        "asked": [HEADINGS[column] for column in columns_asked],
-        "further": [HEADINGS[column] for column in further],
+        "asked": [load_heading(results), *(HEADINGS[column] for column in columns_asked[1:])],
+        "further": [load_heading(results), *(HEADINGS[column] for column in further[1:])],
     }
     head |= {"single": len(rows) == 1}
     head["answer"] = rows[0]["answer"] if len(rows) == 1 else differences_in_words(compared or {})

@@ -22,6 +22,7 @@ from roughcontact.report.glance import (
     asked_columns,
     glance_rows,
     glance_units,
+    load_heading,
 )
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import group_cells
@@ -83,7 +84,7 @@ def answers(
 ) -> list[str]:
     """Return the lines of the table of what is asked for at all loads, and one of what is judged at none."""
     shown_columns = asked_columns([numbers])
-    headings = [HEADINGS[place] for place in shown_columns]
+    headings = [load_heading([numbers]), *(HEADINGS[place] for place in shown_columns[1:])]
     rows = [[cells[place] for place in shown_columns] for cells in cells_of_loads]
     judged = [any(cell.text != NOT_JUDGED for cell in column) for column in zip(*rows, strict=True)]
     unanswered = [

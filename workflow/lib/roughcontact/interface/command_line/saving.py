@@ -177,22 +177,29 @@ def _answers(statistics: "xr.Dataset") -> "pd.DataFrame":
     """Return what each load is asked for, as people read it: value, unit, both sides of the ±, in words."""
     import pandas as pd
 
-    from roughcontact.report.glance import COLUMN_NAMES, HEADINGS, NOT_JUDGED, glance_rows, glance_units
+    from roughcontact.report.glance import (
+        COLUMN_NAMES,
+        HEADINGS,
+        NOT_JUDGED,
+        glance_rows,
+        glance_units,
+        load_heading,
+    )
     from roughcontact.report.units import interval_at
 
     rising = statistics.isel(load=statistics["mean_pressure"].argsort().values)
-    (units,), rows = glance_units([rising]), []
+    (units,), rows, stated_as = glance_units([rising]), [], load_heading([rising])
     for index, (load, *cells) in enumerate(glance_rows(rising, units, indices=range(rising.sizes["load"]))):
         for name, heading, cell in zip(COLUMN_NAMES, HEADINGS[1:], cells, strict=True):
             if cell.text == NOT_JUDGED:
                 continue
-            row: dict[str, Any] = {"mean pressure": load.text, "answer": heading, "value": cell.text}
+            row: dict[str, Any] = {stated_as: load.text, "answer": heading, "value": cell.text}
             if name in units:
                 factor = units[name].factor
                 value, lower, upper = (factor * number for number in interval_at(rising, name, index))
                 row |= {"value": value, "unit": units[name].symbol, "-": value - lower, "+": upper - value}
             rows.append(row | {"known": cell.known, "details": cell.details})
-    columns = ["mean pressure", "answer", "value", "-", "+", "unit", "known", "details"]
+    columns = [stated_as, "answer", "value", "-", "+", "unit", "known", "details"]
     return pd.DataFrame(rows, columns=columns)
 
 
