@@ -148,3 +148,16 @@ def test_reading_an_array_imports_no_library_of_instruments(tmp_path):
         [sys.executable, "-c", program, str(tmp_path / "map.npy")], capture_output=True, text=True, check=True
     )
     assert run.stdout.split() == []
+
+
+def test_recognising_a_file_imports_nothing_that_computes(tmp_path):
+    """A run that has new files waits for it before its first job."""
+    np.save(tmp_path / "map.npy", HEIGHTS)
+    program = (
+        "import sys; from pathlib import Path; from roughcontact.io.registry import recognised;"
+        "print(recognised(Path(sys.argv[1]))[0], *{'xarray', 'pandas', 'scipy'} & set(sys.modules))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program, str(tmp_path / "map.npy")], capture_output=True, text=True, check=True
+    )
+    assert run.stdout.split() == ["npy"]

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from roughcontact.arguments.measurement import Measurement, map_attributes
-from roughcontact.arguments.si import unit_of
 from roughcontact.errors import InputFileError
 from roughcontact.io import classic, hdf5
 from roughcontact.io.channels import (
@@ -127,6 +126,8 @@ def _no_map_message(arrays: dict[str, tuple[int, ...]], names: list[str]) -> str
 
 def _variable(dataset: Any, name: Any, dims: tuple[str | None, str], selection: dict[str, int]) -> Channel:
     """Return one variable, at some index of its other axes, as a channel that is read on demand."""
+    from roughcontact.arguments.si import unit_of  # late: xarray, of which recognising a file needs nothing
+
     variable = dataset.variables[name]  # a DataArray of each would look through all others
     counts = {axis: variable.sizes[axis] for axis in selection if variable.sizes[axis] > 1}
     label = str(name) + "".join(f"[{axis}={selection[axis]}]" for axis in counts)
