@@ -124,9 +124,7 @@ def with_allowed(
             trend=allowed.trend,
         )
         columns |= {f"allowed_{name}": limit, f"{name}_holds": ("load", crossing.holds)}
-        columns |= {
-            f"{name}_holds_from{suffix}": load for suffix, load in zip(ENDS, crossing[1:], strict=True)
-        }
+        columns |= {f"{name}_holds_from{end}": load for end, load in zip(ENDS, crossing[1:], strict=True)}
     return complete.assign(columns)
 
 

@@ -76,10 +76,8 @@ def surface_checks(
     -------
     list of Check
     """
-    window = {
-        **Instrument.read(statistics.attrs).attributes(),
-        **window,
-    }  # the table of surfaces prevails over the settings
+    # the table of surfaces prevails over the settings
+    window = {**Instrument.read(statistics.attrs).attributes(), **window}
     checks: dict[str, Check | None] = {
         CheckName.UNITS: contact_checks.units(statistics),
         CheckName.SOLVER: contact_checks.convergence(statistics),
@@ -220,15 +218,13 @@ def add_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     ]
 
     def flags(*answers: str) -> tuple[str, np.ndarray]:
-        return "load", np.array(
-            [grades.index(worst_result(load_checks, *answers)) for load_checks in by_load], np.int8
-        )
+        verdicts = [worst_result(load_checks, *answers) for load_checks in by_load]
+        return "load", np.array([*map(grades.index, verdicts)], np.int8)
 
     of_answers = {f"{answer}_verdict": flags(answer) for answer in ANSWERS}
     result = describe(statistics.assign(of_answers | {"verdict": flags()}))
-    return result.assign_attrs(
-        **json_attributes({"reasons": _reasons_with_loads(by_load, together), "verdicts": verdict_texts}),
-    )
+    reasons = _reasons_with_loads(by_load, together)
+    return result.assign_attrs(json_attributes({"reasons": reasons, "verdicts": verdict_texts}))
 
 
 def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> list[dict[str, Any]]:

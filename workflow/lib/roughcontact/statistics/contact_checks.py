@@ -115,9 +115,7 @@ def plasticity(statistics: xr.Dataset) -> Check:
 def _hardness_check(statistics: xr.Dataset) -> Check:
     """Return the check of the pressure against the hardness that limits it."""
     hardness, modulus = (float(statistics[name]) for name in ("hardness", "contact_modulus"))
-    load_share, area_share = (
-        statistics[f"{quantity_name}_share_above_hardness"].values for quantity_name in ("load", "area")
-    )
+    load_share, area_share = (statistics[f"{name}_share_above_hardness"].values for name in ("load", "area"))
     yield_text = ""
     if "first_yield_pressure" in statistics:
         load = " of ".join(load_in_words(float(statistics["first_yield_pressure"]), statistics))
@@ -295,14 +293,8 @@ def _friction_doubt(statistics: xr.Dataset) -> str:
 
 def _temperature_doubt(statistics: xr.Dataset) -> str:
     """Return in a sentence that a named material is beyond its range of temperatures, empty if none is."""
-    rise = max(
-        (
-            float(statistics[name].max())
-            for name in ("max_flash_temperature", "temperature_drop")
-            if name in statistics
-        ),
-        default=0.0,
-    )
+    names = [name for name in ("max_flash_temperature", "temperature_drop") if name in statistics]
+    rise = max((float(statistics[name].max()) for name in names), default=0.0)
     for name, limits in json_attribute(statistics.attrs, "temperatures").items():
         lowest, highest, stated = limits["lowest"], limits["highest"], limits.get("stated", materials.ROOM)
         # the mean temperature is taken for that of a room, where nothing else is stated

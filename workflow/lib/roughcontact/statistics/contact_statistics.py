@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ENDS
+from roughcontact.arguments.answers import ENDS, OPPOSITE_ENDS
 from roughcontact.arguments.bodies import check_bodies
 from roughcontact.arguments.checking import check_choice, check_keys, check_solution, warn_of_map
 from roughcontact.arguments.choices import Extra
@@ -210,9 +210,8 @@ def contact_statistics(
     if not (kind.has_theories and medium.is_homogeneous):  # they are those of endless half-spaces
         columns |= {name: np.full(mean_pressure.shape, np.nan) for name in columns if name in theory.AREAS}
     # a number of the map, repeated for each load beside the other measures of reliability
-    columns["points_per_shortest_wavelength"] = np.full(
-        mean_pressure.shape, parameters.pop("points_per_shortest_wavelength")
-    )
+    name = "points_per_shortest_wavelength"
+    columns[name] = np.full(mean_pressure.shape, parameters.pop(name))
     # a finite body has both: its force, and that over the area of the map
     loads = [name for name in ("mean_pressure", "force") if name in contact]
     coordinates = _bins(edges) | {name: ("load", contact[name].values) for name in loads}
@@ -300,40 +299,29 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     """
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
-    window_attrs = {
-        key: value for key, value in budget.attrs.items() if key.startswith(("window_", "overview_"))
-    }
-    corrected_names = [
-        str(name).removesuffix("_as_solved") for name in budget if str(name).endswith("_as_solved")
-    ]
+    attrs = {key: text for key, text in budget.attrs.items() if key.startswith(("window_", "overview_"))}
+    suffix = "_as_solved"
+    corrected_names = [name.removesuffix(suffix) for name in map(str, budget) if name.endswith(suffix)]
     statistics = statistics.assign({name: budget[f"{name}_estimate"].variable for name in corrected_names})
     conductance = "conductance_per_conductivity"
     ratio = xr.ones_like(statistics["mean_pressure"])
     if conductance in corrected_names:  # by an overview; stiffness and resistances are the same number
         ratio = statistics[conductance] / budget[f"{conductance}_as_solved"]
-        scaled = {name: power for name, power in _BY_CONDUCTANCE.items() if name in statistics}
-        statistics = statistics.assign(
-            {name: statistics[name] * ratio**power for name, power in scaled.items()}
-        )
+        powers = {name: power for name, power in _BY_CONDUCTANCE.items() if name in statistics}
+        statistics = statistics.assign({name: statistics[name] * ratio ** powers[name] for name in powers})
     if "max_pressure" in corrected_names and "max_pressure_over_modulus" in statistics:
         relative = statistics["max_pressure"] / statistics["contact_modulus"]
         statistics = statistics.assign(max_pressure_over_modulus=relative.variable)
-    complete = statistics.merge(budget, compat="override", join="override").assign_attrs(window_attrs)
+    complete = statistics.merge(budget, compat="override", join="override").assign_attrs(attrs)
     # after the corrections, which the ends in other units follow
     bounds = _ends_in_other_units(complete) | _ends_of_the_leak(complete)
     area, as_solved = "relative_contact_area", "relative_contact_area_as_solved"
     correction = complete[area] / complete[as_solved] if as_solved in complete else 1.0
     if "friction_coefficient" in complete and "relative_contact_area_lower" in complete:
         by_area = complete["friction_coefficient"] * correction / complete[area]
-        value, *both = (by_area * complete[f"{area}{suffix}"] for suffix in ENDS)
-        bounds["friction_coefficient"] = value
-        bounds |= dict(
-            zip(
-                ("friction_coefficient_lower", "friction_coefficient_upper"),
-                widened((value, *both), _factors(complete, "shear_strength")),
-                strict=True,
-            )
-        )
+        friction = [by_area * complete[f"{area}{end}"] for end in ENDS]
+        friction[1:] = widened(friction, _factors(complete, "shear_strength"))
+        bounds |= {f"friction_coefficient{end}": bound for end, bound in zip(ENDS, friction, strict=True)}
     if "flash_temperature_by" in complete.attrs:  # by that coefficient of friction
         for name in ("mean_flash_temperature", "max_flash_temperature"):
             bounds[name] = complete[name] * correction
@@ -351,28 +339,19 @@ def _ends_of_the_joint(statistics: xr.Dataset, film: xr.DataArray) -> dict[str, 
 
     They share their causes: more contact has a smaller gap. The gas conducts as 1/(ū + M) at the most.
     """
-    names = [
-        f"{name}_{suffix}"
-        for name in ("thermal_resistance", "mean_gap", "relative_contact_area")
-        for suffix in ("lower", "upper")
-    ]
-    if not {*names} <= {*statistics}:
+    area, gap, resistance = "relative_contact_area", "mean_gap", "thermal_resistance"
+    if not {f"{name}{end}" for name in (area, gap, resistance) for end in ENDS[1:]} <= {*statistics}:
         return {}
-    area, gap, jump = (
-        statistics["relative_contact_area"],
-        statistics["mean_gap"],
-        statistics.attrs.get("joint_temperature_jump", 0.0),
-    )
-    bounds = {}
-    for bound, opposite in (("lower", "upper"), ("upper", "lower")):
-        spots = (
-            statistics[f"thermal_resistance_{opposite}"]
-            + film * area / statistics[f"relative_contact_area_{bound}"]
+    bounds, jump = {}, statistics.attrs.get("joint_temperature_jump", 0.0)
+    for end in ENDS[1:]:
+        opposite = OPPOSITE_ENDS[end]
+        spots = statistics[f"{resistance}{opposite}"] + film * statistics[area] / statistics[f"{area}{end}"]
+        gas = (
+            statistics["gas_conductance"] * (statistics[gap] + jump) / (statistics[f"{gap}{opposite}"] + jump)
         )
-        gas = statistics["gas_conductance"] * (gap + jump) / (statistics[f"mean_gap_{opposite}"] + jump)
         # without an end, nothing bounds spots or gap
         with np.errstate(divide="ignore"):
-            bounds[f"joint_conductance_{bound}"] = (1 / spots).fillna(0.0) + gas.fillna(0.0)
+            bounds[f"joint_conductance{end}"] = (1 / spots).fillna(0.0) + gas.fillna(0.0)
     return bounds
 
 
@@ -388,21 +367,21 @@ def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
     base = "conductance_per_conductivity"
     bounds: dict[str, xr.DataArray] = {}
     for transport in ("thermal", "electrical"):
-        if (name := f"{transport}_conductance") not in statistics or f"{base}_lower" not in statistics:
+        name = f"{transport}_conductance"
+        if not {name, f"{base}_lower"} <= {*statistics} or statistics[base].isnull().all():
             continue
-        if statistics[base].notnull().any():
-            unit = statistics[name] / statistics[base]
-            # a conductance is K/E* times a property of the bodies: the same factor at value and ends
-            lower, upper = (unit * statistics[f"{base}_{bound}"] for bound in ("lower", "upper"))
-            factors = _factors(statistics, "thermal_conductivity")
-            if transport == "electrical":
-                lowest, most = _factors(statistics, "electrical_resistivity")
-                factors = 1 / most, 1 / lowest
-            lower, upper = widened((statistics[name], lower, upper), factors)
-            bounds |= {f"{name}_lower": lower, f"{name}_upper": upper}
-            # a conductance without an upper end leaves a resistance down to none
-            bounds[f"{transport}_resistance_lower"] = (1 / upper).fillna(0.0).where(lower.notnull())
-            bounds[f"{transport}_resistance_upper"] = (1 / lower).where(lower > 0)
+        # a conductance is K/E* times a property of the bodies: the same factor at value and ends
+        unit = statistics[name] / statistics[base]
+        factors = _factors(statistics, "thermal_conductivity")
+        if transport == "electrical":
+            lowest, most = _factors(statistics, "electrical_resistivity")
+            factors = 1 / most, 1 / lowest
+        ends = (unit * statistics[f"{base}{end}"] for end in ENDS[1:])
+        lower, upper = widened((statistics[name], *ends), factors)
+        bounds |= {f"{name}_lower": lower, f"{name}_upper": upper}
+        # a conductance without an upper end leaves a resistance down to none
+        bounds[f"{transport}_resistance_lower"] = (1 / upper).fillna(0.0).where(lower.notnull())
+        bounds[f"{transport}_resistance_upper"] = (1 / lower).where(lower > 0)
     return bounds
 
 
@@ -422,11 +401,9 @@ def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
             by_cube = (leak / height**3 / slip_factor(height, path)).where(
                 height > 0, statistics["leak_rate_by_cube"]
             )
-            ends = {bound: statistics[f"{narrowest}_{bound}"] for bound in ("lower", "upper")}
-            bounds |= {
-                f"{name}_{bound}": by_cube * opening**3 * slip_factor(opening, path)
-                for bound, opening in ends.items()
-            }
+            for end in ENDS[1:]:
+                opening = statistics[f"{narrowest}{end}"]
+                bounds[f"{name}{end}"] = by_cube * opening**3 * slip_factor(opening, path)
     return bounds
 
 
@@ -733,10 +710,9 @@ def _inverse(compliance: float) -> float:
 
 def _body_to_strain(stress: Extra, bodies: Bodies | None, kind: KindFacts) -> Mapping[str, Any] | None:
     """Return the body whose stresses below the surface are computed; None where they are not wanted."""
-    body = (
-        subsurface.strained_body(check_bodies(bodies) if bodies and properties_of_bodies(bodies) else bodies)
-        or {}
-    )
+    if bodies and properties_of_bodies(bodies):
+        bodies = check_bodies(bodies)
+    body = subsurface.strained_body(bodies) or {}
     deformable = top_material(body).get("poissons_ratio") is not None
     if stress == "always" and not deformable:
         raise SettingsError("stress = 'always' needs bodies, for their Poisson's ratios", keys=["stress"])

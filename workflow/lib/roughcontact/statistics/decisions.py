@@ -91,10 +91,8 @@ def is_yielding(numbers: Numbers) -> np.ndarray:
     yield_ratio = _of_loads(numbers, "mean_pressure") / _number(numbers, "first_yield_pressure")
     # between two loads the largest pressure rises at least by this power
     rise = np.maximum(yield_ratio, 1.0) ** facts_of_numbers(numbers).power_of_largest_pressure
-    everywhere = (lower * np.nan_to_num(rise, nan=1.0) >= softest) | (
-        1.5 * _of_loads(numbers, f"{PRESSURE}_lower")
-        >= softest  # a smooth spot has 1.5 times its mean (Hertz)
-    )
+    of_spot = 1.5 * _of_loads(numbers, f"{PRESSURE}_lower")  # the largest of a smooth one (Hertz)
+    everywhere = (lower * np.nan_to_num(rise, nan=1.0) >= softest) | (of_spot >= softest)
     if f"{PEAK}_parts" in numbers:
         parts = np.asarray(numbers[f"{PEAK}_parts"], float)
         everywhere |= np.isfinite(parts).any(axis=0) & (np.fmin.reduce(parts, axis=0) >= limit)

@@ -32,11 +32,8 @@ def finite_body_columns(columns: Mapping[str, Any], contact: xr.Dataset, load: i
     """
     from scipy.ndimage import map_coordinates  # imported late, as few maps are bodies
 
-    height, elasticity, radii = (
-        contact["height"],
-        recorded_elasticity(contact),
-        form_radii(contact["height"].attrs),
-    )
+    height, elasticity = contact["height"], recorded_elasticity(contact)
+    radii = form_radii(height.attrs)
     steps, force, approach = spacing(height), float(contact["force"][load]), float(contact["approach"][load])
     pressure, map_area = contact["pressure"].isel(load=load).values, height.size * steps[0] * steps[1]
     # a flat punch in the shape of the contact, its surroundings too low to touch

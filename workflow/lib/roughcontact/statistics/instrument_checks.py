@@ -78,9 +78,7 @@ def smoothed(window: Attributes) -> Check:
         return not_made(_PERIODIC_MAP)
     if "spectrum_exponent" not in window:
         return not_made(_FEW_WAVES)
-    traces = [
-        trace for look in (_shape_of_spectrum, _blunt_peaks, _repeated_heights) if (trace := look(window))
-    ]
+    traces = [*filter(None, (_shape_of_spectrum(window), _blunt_peaks(window), _repeated_heights(window)))]
     # what is stated already is no reason to ask again
     if open_traces := [trace for trace in traces if trace.remedies]:
         remedies = ", or ".join(dict.fromkeys(remedy for trace in open_traces for remedy in trace.remedies))

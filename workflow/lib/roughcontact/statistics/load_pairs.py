@@ -37,20 +37,17 @@ def paired_loads(
     >>> [indices.tolist() for indices in paired_loads(*both)]
     [[0, 1], [0, 1]]
     """
-    pascals = [data["mean_pressure"].values for data in (dataset, counterpart)]
+    both = dataset, counterpart
+    pascals = [data["mean_pressure"].values for data in both]
     if as_stated and pascals[0].size == pascals[1].size:
-        by_place = [
-            np.argsort(data.get("place", data["mean_pressure"]).values) for data in (dataset, counterpart)
-        ]
-        return by_place[0], by_place[1]
+        first, second = (np.argsort(data.get("place", data["mean_pressure"]).values) for data in both)
+        return first, second
     # loads that are equal in Pa, or in units of E*: the sort of which more are equal counts first
     relative = [
         np.asarray(data.get("relative_pressure", load / float(data.get("contact_modulus", np.nan))))
-        for data, load in zip((dataset, counterpart), pascals, strict=True)
+        for data, load in zip(both, pascals, strict=True)
     ]
-    equal_loads = [
-        np.argwhere(same_load(loads[0][:, None], loads[1])).tolist() for loads in (pascals, relative)
-    ]
+    equal_loads = [np.argwhere(same_load(a[:, None], b)).tolist() for a, b in (pascals, relative)]
     partners: dict[int, int] = {}
     for index, partner in chain(*sorted(equal_loads, key=len, reverse=True)):
         if index not in partners and partner not in partners.values():

@@ -83,12 +83,11 @@ def worst_result(checks: Iterable[Check], *answers: str) -> str:
     It is a key of `VERDICTS`; notes count as passed, and `review` stands where no check was made.
     """
     relevant = set(answers or (name for name, answer in ANSWERS.items() if answer.main))
-    # a note does not count
-    outcomes = {
-        PASSED if check.outcome == NOTE else check.outcome for check in checks if relevant & {*check.answers}
-    }
+    outcomes = {check.outcome for check in checks if relevant & {*check.answers}}
+    if outcomes & {FAILED, REVIEW}:
+        return FAILED if FAILED in outcomes else REVIEW
     # without any check nothing was judged
-    return next((outcome for outcome in (FAILED, REVIEW, PASSED) if outcome in outcomes), REVIEW)
+    return PASSED if outcomes & {PASSED, NOTE} else REVIEW
 
 
 def not_passed(checks: Iterable[Check]) -> list[Check]:

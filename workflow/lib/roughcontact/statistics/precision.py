@@ -108,16 +108,14 @@ def add_precision(statistics: xr.Dataset) -> xr.Dataset:
 
     Of sealing and yield, which are yes or no, it is 0 where they are decided (`decisions`), else NaN.
     """
-    precision_columns = {}
+    widths = {}
     for name, answer in ANSWERS.items():
         if f"{answer.quantity}_lower" in statistics:
             ends = (statistics[f"{answer.quantity}{suffix}"].values for suffix in ENDS)
-            precision_columns[name] = relative_half_width(*ends)
+            widths[name] = relative_half_width(*ends)
     if "critical_constriction_x_lower" in statistics:
         # 0 times a decision: NaN where there is none
-        precision_columns["sealing"] = 0 * np.add(*(gap_is_closed(statistics, axis) for axis in "xy"))
+        widths["sealing"] = 0 * np.add(*(gap_is_closed(statistics, axis) for axis in "xy"))
     if "hardness" in statistics and "max_pressure_lower" in statistics:
-        precision_columns["yield"] = 0 * is_yielding(statistics)
-    return statistics.assign(
-        {f"{answer}_known": ("load", values) for answer, values in precision_columns.items()}
-    )
+        widths["yield"] = 0 * is_yielding(statistics)
+    return statistics.assign({f"{answer}_known": ("load", width) for answer, width in widths.items()})

@@ -176,16 +176,12 @@ def add_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.Da
     limits = yield_stresses(body)
     if min(limits) == math.inf or "max_von_mises_stress" not in statistics:
         return statistics
-    loads = statistics["mean_pressure"].values
-    result = statistics.assign(
-        first_subsurface_yield_pressure=_reached(loads, largest_over_yield(statistics, body))
-    )
-    if "material_von_mises_stress" not in statistics:
-        return result
-    ratios = (statistics["material_von_mises_stress"].transpose("load", ...) / limits).values.T
-    return result.assign(
-        material_first_yield_pressure=("material", [_reached(loads, ratio) for ratio in ratios])
-    )
+    loads, ratio = statistics["mean_pressure"].values, largest_over_yield(statistics, body)
+    columns: dict[str, Any] = {"first_subsurface_yield_pressure": _reached(loads, ratio)}
+    if "material_von_mises_stress" in statistics:
+        ratios = (statistics["material_von_mises_stress"].transpose("load", ...) / limits).values.T
+        columns["material_first_yield_pressure"] = "material", [_reached(loads, ratio) for ratio in ratios]
+    return statistics.assign(columns)
 
 
 def _rank(body: Body) -> tuple[float, bool, float]:

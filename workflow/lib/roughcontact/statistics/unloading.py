@@ -102,12 +102,10 @@ def unload(
     residual = (height - depth).assign_attrs(height.attrs)
     unloading = solve_contact(residual, mean_pressure=loads, **problem)
     mean_depth = float(depth.mean())
+    areas = [relative_contact_area(touching) for touching in unloading["contact"].values > 0]
     return describe(
         unloading.assign(
-            relative_contact_area=(
-                "load",
-                [relative_contact_area(c) for c in unloading["contact"].values > 0],
-            ),
+            relative_contact_area=("load", areas),
             residual_height=residual,
             plastic_depth=depth,
             mean_plastic_depth=mean_depth,
