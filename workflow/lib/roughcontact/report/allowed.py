@@ -13,11 +13,8 @@ HOLDS, FAILS, NOT_DECIDED = "holds", "does not hold", "not decided"
 
 def stated_allowed(numbers: Numbers, answer: str = "") -> list[str]:
     """Return the names of the allowed values of numbers, of one of the answers alone."""
-    return [
-        name
-        for name, allowed in ALLOWED_VALUES.items()
-        if f"{name}_holds" in numbers and answer in ("", allowed.answer)
-    ]
+    names = [name for name, allowed in ALLOWED_VALUES.items() if answer in ("", allowed.answer)]
+    return [name for name in names if f"{name}_holds" in numbers]
 
 
 def allowed_in_words(numbers: Numbers, name: str, index: int) -> str:

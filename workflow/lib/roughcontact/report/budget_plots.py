@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import AREA, COMPARED, CONDUCTANCE, TITLES, UNITS
+from roughcontact.arguments.answers import AREA, COMPARED, CONDUCTANCE, ENDS, TITLES, UNITS
 from roughcontact.arguments.quantities import number, percent, prefix
 from roughcontact.report.charts import Axis, Chart, load_label, log_axis
 from roughcontact.report.units import largest_source, number_text, unit_of
@@ -159,7 +159,7 @@ def wider_intervals(numbers: xr.Dataset) -> tuple[dict[str, str], dict[str, Any]
         key: text
         for key, text in _BEYOND.items()
         if f"{AREA}_{key}_lower" in numbers
-        and np.isfinite([numbers[f"{AREA}_{key}_{suffix}"] for suffix in ("lower", "upper")]).any()
+        and np.isfinite([numbers[f"{AREA}_{key}{end}"] for end in ENDS[1:]]).any()
     }
     text = {"": "the ±", **beyond, "map": "this map"}
     loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"].values]
@@ -167,14 +167,10 @@ def wider_intervals(numbers: xr.Dataset) -> tuple[dict[str, str], dict[str, Any]
     unknown = xr.full_like(numbers["mean_pressure"], np.nan)  # of the joint only some quantities are known
     for name in COMPARED:
         unit, solved = unit_of(numbers, UNITS[name]), numbers.get(f"{name}_as_solved", numbers[name]).values
-        lower, upper = (
-            np.array(
-                [numbers.get("_".join(filter(None, (name, key, bound))), unknown).values for key in text]
-            )
-            for bound in ("lower", "upper")
-        )
+        prefixes = [f"{name}_{key}" if key else name for key in text]
+        ends = [[numbers.get(f"{prefix}{end}", unknown).values for end in ENDS[1:]] for prefix in prefixes]
         for index, load in enumerate(loads):
-            texts = [unit.ends(*pair) for pair in zip(lower[:, index], upper[:, index], strict=True)]
+            texts = [unit.ends(lower[index], upper[index]) for lower, upper in ends]
             rows.append([f"{TITLES[name]} at {load}", unit.text(float(solved[index])), *texts])
     header = ["result", "as solved", *text.values()]
     lines = {

@@ -13,7 +13,7 @@ from roughcontact.statistics.load_pairs import paired_loads, same_load
 from roughcontact.uncertainty.differences import case_differences, case_pairs
 
 _PERCENT = Unit(1.0, "%")  # of numbers in percent
-_SPREAD = (0.1, 0.9)  # quantiles over the surfaces
+_QUANTILES = (0.1, 0.5, 0.9)  # over the surfaces
 
 _DUST = 1e-9  # percent: a difference that small is rounding
 _MANIFOLD = 900.0  # percent: a larger difference is a factor
@@ -22,15 +22,8 @@ _FINEST = 0.1  # percent: half-width of a difference of which two digits are sho
 Cases = Mapping[str, xr.Dataset]  # of a surface
 Load = tuple[xr.Dataset, int]  # statistics, and the place of a load among theirs
 Row = dict[str, int]  # case -> place of a load among its own
-
-
-class _Changes(NamedTuple):
-    """The difference between two cases in percent, both ends of its interval, and the first number."""
-
-    change: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    first: np.ndarray
+# by surface: the difference between two cases in percent, both ends of its interval, and the first number
+Changes = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
 class _Shared(NamedTuple):
@@ -69,7 +62,7 @@ def case_medians(
 def _table(
     surfaces: Sequence[Cases],
     value: Callable[[Sequence[Load], str, Unit], str],
-    change: Callable[[_Changes], str],
+    change: Callable[[Changes], str],
     *,
     equal_loads: bool,
 ) -> dict[str, Any]:
@@ -147,10 +140,8 @@ def _disjoint_loads_in_words(cases: Cases, pairs: Sequence[tuple[str, str]], *, 
     """Return what is said of pairs of cases that share no load, of all pairs where they are `all_pairs`."""
     spans = []
     for name in dict.fromkeys(name for pair in pairs for name in pair):
-        extreme_loads = (
-            quantity(float(cases[name]["mean_pressure"][position]), "Pa") for position in (0, -1)
-        )
-        spans.append(f"{name}: {' to '.join(dict.fromkeys(extreme_loads))}")
+        first_and_last = cases[name]["mean_pressure"].values[[0, -1]].tolist()
+        spans.append(f"{name}: {' to '.join(dict.fromkeys(quantity(load, 'Pa') for load in first_and_last))}")
     owner = "The cases" if all_pairs else ", ".join(" and ".join(pair) for pair in pairs)
     return (
         f"{owner} have no load in common ({'; '.join(spans)}), so that their numbers cannot be compared: "
@@ -190,16 +181,16 @@ def _values(loads: Sequence[Load], name: str) -> np.ndarray:
     return np.array([float(data[name].values[index]) for data, index in loads])
 
 
-def _changes(loads: Sequence[Sequence[Load]], name: str, ratios: Sequence[tuple[float, float]]) -> _Changes:
+def _changes(loads: Sequence[Sequence[Load]], name: str, ratios: Sequence[tuple[float, float]]) -> Changes:
     """Return the differences between the `loads` of two cases; `ratios` has both ends of each ratio."""
     reference, values = (_values(of_case, name) for of_case in loads)
     with np.errstate(divide="ignore", invalid="ignore"):
         change, low, high = (100 * (ratio - 1) for ratio in (values / reference, *np.transpose(ratios)))
     change, low, high = (np.where(np.abs(percent) < _DUST, 0.0, percent) for percent in (change, low, high))
-    return _Changes(change, low, high, reference)
+    return change, low, high, reference
 
 
-def _change(changes: _Changes) -> str:
+def _change(changes: Changes) -> str:
     """Return the difference of a surface with its interval."""
     change, low, high, reference = (values[0] for values in changes)
     if not reference > 0:
@@ -210,7 +201,7 @@ def _change(changes: _Changes) -> str:
     return _bracketed(with_interval(change, low, high, finest=_FINEST), "%")
 
 
-def _median_change(changes: _Changes) -> str:
+def _median_change(changes: Changes) -> str:
     """Return the median of the differences, and of how many surfaces they are larger than their interval."""
     change, low, high, _ = changes
     available = np.isfinite(low) & np.isfinite(high)
@@ -238,7 +229,6 @@ def _quantiles(values: np.ndarray, unit: Unit, *, decimals: int | None = None) -
     available = values[np.isfinite(values)] * unit.factor
     if not available.size:
         return "–"
-    low, middle, high = (
-        number(float(q), decimals=decimals) for q in np.quantile(available, [_SPREAD[0], 0.5, _SPREAD[1]])
-    )
+    quantiles = np.quantile(available, _QUANTILES).tolist()
+    low, middle, high = (number(quantile, decimals=decimals) for quantile in quantiles)
     return f"{middle} {unit.symbol} ({low} to {high})"

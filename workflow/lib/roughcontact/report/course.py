@@ -1,7 +1,7 @@
 """The course of a contact over a distance or a speed, on the page: a part of it, and its charts."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +14,11 @@ from roughcontact.report.units import unit_of
 
 
 def course_section(
-    name: str, file: str | Path, folder: Path, *, images: Mapping[str, str], text: str
+    name: str, file: str | Path, folder: Path, *, images: Mapping[str, str], sentences: Sequence[str]
 ) -> dict[str, Any]:
-    """Return what the template of a course needs: pictures by label, a sentence, the link from `folder`."""
+    """Return what the template of a course needs: pictures by label, sentences, the link from `folder`."""
     link = Path(os.path.relpath(file, folder)).as_posix()
-    return {"name": name, "images": images, "sentences": [text], "link": link}
+    return {"name": name, "images": images, "sentences": sentences, "link": link}
 
 
 def course_chart(course: xr.Dataset, result: str, abscissa: np.ndarray, x_axis: Axis) -> Chart:

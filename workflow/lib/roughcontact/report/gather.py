@@ -12,7 +12,6 @@ import xarray as xr
 
 from roughcontact.arguments.measurement import json_attribute, json_attributes
 from roughcontact.errors import RoughContactError
-from roughcontact.report.asked import contacts
 from roughcontact.report.page import write_report
 from roughcontact.results.collect import (
     Entry,
@@ -29,6 +28,13 @@ from roughcontact.uncertainty.combination import is_of_budget, uncertainty_table
 from roughcontact.uncertainty.differences import case_pairs, compare_all, compare_maps
 from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
 from roughcontact.uncertainty.groups import group_statistics, needed_for_groups
+
+# files of a surface -> section and key of the settings that ask for them
+_ON_REQUEST = {
+    "residual.nc": ("contact", "unload"),
+    "worn.nc": ("wear", "coefficient"),
+    "sliding.nc": ("sliding", "speed"),
+}
 
 
 def write_results(
@@ -53,15 +59,11 @@ def write_results(
     """
     folder = Path(folder)
     remove_earlier(folder)
-    contact_of_case = dict(contacts(settings))
     for entry in finished:
-        if contact_of_case[entry["case"] or ""].get("unload") is None:  # of an earlier run
-            file_of(entry, "residual.nc").unlink(missing_ok=True)
         of_case = settings if entry["case"] is None else settings[entry["case"]]
-        if not of_case.get("wear", {}).get("coefficient"):
-            file_of(entry, "worn.nc").unlink(missing_ok=True)
-        if not of_case.get("sliding", {}).get("speed"):
-            file_of(entry, "sliding.nc").unlink(missing_ok=True)
+        for file, (section, key) in _ON_REQUEST.items():
+            if of_case.get(section, {}).get(key) is None:  # of an earlier run
+                file_of(entry, file).unlink(missing_ok=True)
     statistics = collect_statistics(finished)
     attrs = provenance(settings_of_statistics, source_sha256=statistics.source_sha256, stage="statistics")
     if failures:

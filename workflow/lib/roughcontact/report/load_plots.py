@@ -227,10 +227,7 @@ def gap_against_load(statistics: xr.Dataset) -> Chart:
 def pressure_against_load(statistics: xr.Dataset) -> Chart:
     """Draw mean and largest pressure of the contact with their intervals against the load, logarithmic."""
     hardness = float(statistics.get("hardness", np.nan))
-    lines = [
-        (PEAK, "largest", COLOURS[1], "^"),
-        (PRESSURE, "mean over the contact", COLOURS[0], "o"),
-    ]
+    lines = [(PEAK, "largest", COLOURS[1], "^"), (PRESSURE, "mean over the contact", COLOURS[0], "o")]
     unit, limit = unit_of(statistics, "Pa"), (hardness, "hardness")
     return _load_chart(statistics, lines, label="pressure in contact", unit=unit, limit=limit)
 

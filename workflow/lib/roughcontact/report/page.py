@@ -104,9 +104,7 @@ def write_report(
                 **entry,
                 **panel,
                 "panel": path_of_panel,
-                "residual": file_of(entry, "residual.nc"),
-                "worn": file_of(entry, "worn.nc"),
-                "sliding": file_of(entry, "sliding.nc"),
+                **{stage: file_of(entry, f"{stage}.nc") for stage in ("residual", "worn", "sliding")},
                 "answer": line,
                 "glance": [[cells_of_load[column] for column in columns_asked] for cells_of_load in cells],
                 "further": [[cells_of_load[column] for column in further] for cells_of_load in cells],
@@ -129,9 +127,8 @@ def write_report(
         "asked": [load_heading(results), *(HEADINGS[column] for column in columns_asked[1:])],
         "further": [load_heading(results), *(HEADINGS[column] for column in further[1:])],
     }
-    head |= {"single": len(rows) == 1}
+    head |= {"single": len(rows) == 1, "open_below": OPEN_BELOW, "open_parts": OPEN_PARTS}
     head["answer"] = rows[0]["answer"] if len(rows) == 1 else differences_in_words(compared or {})
-    head |= {"open_below": OPEN_BELOW, "open_parts": OPEN_PARTS}
     head |= {"in_words": IN_WORDS, "asked_of_run": describe_problem(settings, changed)}
     equal = same_loads(settings)
     if has_index:
@@ -150,9 +147,9 @@ def write_report(
         comparisons=_comparisons(series, styles, bool(group_of_surface), large=has_index),
         cases=_cases(by_surface, large=has_index, equal_loads=equal),
         unloadings=[
-            unloading_section(row["name"], series[row["surface"], row["case"]], residual, folder)
+            unloading_section(row["name"], series[row["surface"], row["case"]], row["residual"], folder)
             for row in rows
-            if (residual := row["residual"]).is_file()
+            if row["residual"].is_file()
         ],
         slidings=[
             sliding_section(row["name"], row["sliding"], folder) for row in rows if row["sliding"].is_file()
@@ -254,10 +251,8 @@ def _comparisons(
             continue
         lines = [(_name(*key), data[load].values, data[AREA].values) for key, data in compared.items()]
         bounds = [interval_values(data, AREA)[1:] for data in compared.values() if available]
-        image = compare_areas(
-            lines, intervals=bounds, pressure=unit, styles=[styles[key] for key in compared]
-        )
-        charts.append((image, text))
+        styles_shown = [styles[key] for key in compared]
+        charts.append((compare_areas(lines, intervals=bounds, pressure=unit, styles=styles_shown), text))
     return charts
 
 

@@ -22,16 +22,8 @@ from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
-from roughcontact.statistics import checks
+from roughcontact.statistics import checks, outcome
 from roughcontact.statistics.kinds import smooth_contact
-from roughcontact.statistics.outcome import (
-    VERDICTS,
-    concerns,
-    not_passed,
-    reason_text,
-    sort_by_importance,
-    worst_result,
-)
 from roughcontact.surface.faces.placing import frame_of_place, place_in_words, separate_overviews
 
 _TITLES = {  # of the maps by the number of measured faces
@@ -73,15 +65,13 @@ def write_panel(
         window=window_map.attrs,
         points=window_map.size,
     )
-    outcome = checks_of(numbers)
+    all_checks = checks_of(numbers)
     name = surface if case is None else f"{surface} · {case}"
     identifier = surface if case is None else f"{case}--{surface}"
     # of loads that nobody stated those are judged that are shown
-    checks_shown = (
-        checks_of(numbers.isel(load=indices)) if numbers.attrs.get("loads") == "planned" else outcome
-    )
-    verdict = worst_result(checks_shown)
-    doubts = sort_by_importance(not_passed(outcome))
+    are_planned = numbers.attrs.get("loads") == "planned"
+    verdict = outcome.worst_result(checks_of(numbers.isel(load=indices)) if are_planned else all_checks)
+    doubts = outcome.sort_by_importance(outcome.not_passed(all_checks))
     available = facts.surface_facts(measured_map, plane, window_map, numbers)
     maps = _maps(measured_map, plane, window_map, numbers, counter_faces)
     if overview is not None:
@@ -98,12 +88,12 @@ def write_panel(
         identifier=identifier,
         name=name,
         verdict=verdict,
-        verdict_words=VERDICTS[verdict],
+        verdict_words=outcome.VERDICTS[verdict],
         doubts=doubts,
-        checks=outcome,
+        checks=all_checks,
         facts=available,
         maps=maps,
-        concerns=concerns,
+        concerns=outcome.concerns,
         profile=dimensions(window_map.shape) == 1,
         fields=fields,
         drawn=indices,
@@ -131,9 +121,9 @@ def write_panel(
             "surface": surface,
             "answer": answer_line(numbers, indices[-1], glance_rows(numbers, indices=indices[-1:])[0]),
             "verdict": verdict,
-            "reasons": [reason_text(check) for check in doubts],
+            "reasons": [outcome.reason_text(check) for check in doubts],
             "doubts": [str(check.name) for check in doubts],
-            "main_reason": reason_text(doubts[0], letters=_LINE) if doubts else "",
+            "main_reason": outcome.reason_text(doubts[0], letters=_LINE) if doubts else "",
             "halve": str(numbers.attrs.get("halve", "")),
             "places": str(numbers.attrs.get("places", "")),
             "overview": str(numbers.attrs.get("overview", "")),
@@ -236,7 +226,7 @@ def each_load(numbers: xr.Dataset, with_maps: Sequence[int]) -> list[tuple[str, 
     for index, (_, *cells) in enumerate(glance_rows(numbers, indices=range(loads.size))):
         text = [
             ", ".join(filter(None, (f"{title} {cell.text}", cell.details, cell.known)))
-            + (f" ({VERDICTS[cell.outcome]})" if cell.outcome else "")
+            + (f" ({outcome.VERDICTS[cell.outcome]})" if cell.outcome else "")
             for title, cell in zip(HEADINGS[1:], cells, strict=True)
         ]
         nearest = int(np.argmin(np.abs(np.log(loads[list(with_maps)] / loads[index])))) if with_maps else 0

@@ -153,11 +153,8 @@ def maps(
     check_solution(dataset, of_loads=False)
     chosen = dataset.isel(load=load) if "load" in dataset.dims else dataset
     height, pressures, gap = chosen["height"], chosen["pressure"].values, chosen["gap"].values
-    units = {
-        "rms_height": float(height.std()),
-        "contact_modulus": float(chosen.get("contact_modulus", np.nan)),
-    }
-    of_pressure, of_heights = unit_of(units, "Pa"), unit_of(units, "m")
+    of_heights = unit_of({"rms_height": float(height.std())}, "m")
+    of_pressure = unit_of({"contact_modulus": float(chosen.get("contact_modulus", np.nan))}, "Pa")
     if quantity == "height":
         return _drawn(map_plots.height_map(height, unit=of_heights), ax)
     if quantity == "pressure":

@@ -40,7 +40,7 @@ def sliding_section(name: str, sliding: str | Path, folder: Path) -> dict[str, A
     peak = {suffix: highest[f"{FRICTION}{suffix}"].item() for suffix in ENDS}
     numbers = {str(key): highest[key].item() for key in highest.variables if highest[key].ndim == 0}
     text = sentence("slides", numbers, [*peak.values()], _misfit(over), _warm_from(over))
-    return course_section(name, sliding, folder, images=images, text=text)
+    return course_section(name, sliding, folder, images=images, sentences=[text])
 
 
 def _misfit(over: xr.Dataset) -> float:

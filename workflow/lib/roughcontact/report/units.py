@@ -145,12 +145,8 @@ def number_text(numbers: Numbers, name: str, unit: Unit, index: int) -> str:
     if name in _GAPS and not (value >= CLOSED and ends[0] >= CLOSED):  # finer than atoms nothing is known
         ends = [0.0 if bound < CLOSED else bound for bound in ends]
         if 0 < value < CLOSED:
-            closed = f"< {number(CLOSED * unit.factor, digits=1)}"
-            return (
-                closed
-                if not ends[1] > 0
-                else f"{closed} ({unit.ends(*ends).removesuffix(f' {unit.symbol}')})"
-            )
+            interval = f" ({unit.ends(*ends).removesuffix(f' {unit.symbol}')})" if ends[1] > 0 else ""
+            return f"< {number(CLOSED * unit.factor, digits=1)}{interval}"
     if lacks_interval(numbers, name):  # the digits that the contact area carries
         area, *area_ends = interval_at(numbers, AREA, index)
         return unit.interval(value, *(value * bound / area for bound in area_ends)).split()[0]

@@ -1,6 +1,5 @@
 """What the load leaves, on the page: results on both ways of the load, and the residual surface in words."""
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,34 +10,31 @@ import xarray as xr
 from roughcontact.arguments.answers import AREA, TITLES, UNITS
 from roughcontact.arguments.quantities import quantity
 from roughcontact.report.charts import COLOURS, DASHED, Chart, load_label, log_axis
+from roughcontact.report.course import course_section
 from roughcontact.report.template import sentence
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import read_dataset
 
-_DRAWN = (AREA, "mean_gap", "contact_stiffness", "thermal_conductance", "electrical_conductance")
-_LEAK_RATES = ("leak_rate_x", "leak_rate_y")
+_DRAWN = (
+    *(AREA, "mean_gap", "contact_stiffness", "thermal_conductance", "electrical_conductance"),
+    *("leak_rate_x", "leak_rate_y"),
+)
 
 
 def unloading_section(name: str, loading: xr.Dataset, residual: str | Path, folder: Path) -> dict[str, Any]:
     """Return charts by label, a sentence for each peak of the load, and the link from `folder`."""
-    link = Path(os.path.relpath(residual, folder)).as_posix()
-    as_solved = {
-        key.removesuffix("_as_solved"): loading[key]
-        for key in map(str, loading)
-        if key.endswith("_as_solved")
-    }
-    loading = loading.assign(as_solved)  # the way back has no correction for the grid either
+    suffix = "_as_solved"  # the way back has no correction for the grid either
+    as_solved = [key for key in map(str, loading) if key.endswith(suffix)]
+    loading = loading.assign({key.removesuffix(suffix): loading[key] for key in as_solved})
     residual_data = read_dataset(residual)
     if "peak" not in residual_data.dims:
         residual_data = residual_data.expand_dims("peak")
     peaks = [residual_data.isel(peak=index) for index in range(residual_data.sizes["peak"])]
     unloadings = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
-    charts = {
-        TITLES[name]: _loading_and_unloading(loading, unloadings, name) for name in (*_DRAWN, *_LEAK_RATES)
-    }
+    charts = {TITLES[result]: _loading_and_unloading(loading, unloadings, result) for result in _DRAWN}
     images = {label: chart.source() for label, chart in charts.items() if chart}
     sentences = [_lowered(loading, unloading) for unloading in unloadings]
-    return {"name": name, "images": images, "sentences": sentences, "link": link}
+    return course_section(name, residual, folder, images=images, sentences=sentences)
 
 
 def _loading_and_unloading(
@@ -68,7 +64,7 @@ def _lowered(loading: xr.Dataset, unloading: xr.Dataset) -> str:
     load = float(lightest["mean_pressure"])
     ways = {"on loading": np.interp(load, loads, areas, left=np.nan), "on unloading": lightest[AREA]}
     areas_by_way = {way: float(area) for way, area in ways.items() if np.isfinite(area)}
-    once = {
-        str(name): number.values.item() for name, number in unloading.variables.items() if not number.dims
+    numbers = {
+        str(name): value.values.item() for name, value in unloading.variables.items() if not value.dims
     }
-    return sentence("flow_has_lowered", once, load, areas_by_way)
+    return sentence("flow_has_lowered", numbers, load, areas_by_way)

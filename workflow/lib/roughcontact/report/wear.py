@@ -35,7 +35,7 @@ def wear_of(name: str, worn: str | Path, folder: Path) -> dict[str, Any]:
     settled = [over[f"running_in_distance{suffix}"].item() for suffix in ENDS]
     areas, heights = ([face[name].item() for face in (before, after)] for name in (AREA, "Sq"))
     text = sentence("runs_in", last, settled, areas, heights)
-    return course_section(name, worn, folder, images=images, text=text)
+    return course_section(name, worn, folder, images=images, sentences=[text])
 
 
 def _axis(over: xr.Dataset) -> tuple[np.ndarray, Axis]:
