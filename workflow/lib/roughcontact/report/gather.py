@@ -24,7 +24,7 @@ from roughcontact.results.collect import (
     summary_table,
 )
 from roughcontact.results.storage import provenance, table_text, write_dataset, write_table, write_text
-from roughcontact.uncertainty.combination import is_of_budget, uncertainty_table
+from roughcontact.uncertainty.combination import TABLE_VARIABLES, uncertainty_table
 from roughcontact.uncertainty.differences import case_pairs, compare_all, compare_maps
 from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
 from roughcontact.uncertainty.groups import group_statistics, needed_for_groups
@@ -207,7 +207,7 @@ def _split_by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, d
 
 def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return the components of every interval of the surfaces (and cases) of `collect_statistics`."""
-    of_budget = statistics[[name for name in statistics.variables if is_of_budget(str(name))]]
+    of_budget = statistics[[name for name in statistics.variables if name in TABLE_VARIABLES]]
     tables = [uncertainty_table(result).assign(**labels) for labels, result in solved_results(of_budget)]
     combined_table = pd.concat(tables, ignore_index=True)
     labels = [dim for dim in ("case", "surface") if dim in combined_table]

@@ -89,10 +89,9 @@ def overview_arms(
     if not by_pixels or x > logarithms[-1] + math.log(_COARSER):
         return 0.0, *np.full((2, *np.shape(area)), np.inf)
     share = float(np.interp(x, logarithms, [arm["share"] for arm in by_pixels.values()]))
-    rows = scipy.interpolate.make_interp_spline(
-        logarithms, [look_up(arm, area) for arm in by_pixels.values()], k=1
-    )
-    return share, *rows(np.clip(x, *logarithms[[0, -1]]))
+    arms_of_bank = [look_up(arm, area) for arm in by_pixels.values()]
+    spline = scipy.interpolate.make_interp_spline(logarithms, arms_of_bank, k=1)
+    return share, *spline(np.clip(x, *logarithms[[0, -1]]))
 
 
 def limit_of_gap(measurand: Measurand, area: np.ndarray, gap: np.ndarray | float) -> np.ndarray:

@@ -32,7 +32,8 @@ _COMMENT = (
 )
 _NAMES = (*scales.QUANTITIES, *scales.ANSWERS)
 _ENDINGS = ("uncertainty", "components", "estimate", "as_solved", "lower", "upper")
-_TABLE_VARIABLES = {"mean_pressure", *(f"{name}_{ending}" for name in _NAMES for ending in _ENDINGS)}
+# what `uncertainty_table` needs of a budget
+TABLE_VARIABLES = {"mean_pressure", *(f"{name}_{ending}" for name in _NAMES for ending in _ENDINGS)}
 
 
 def half_widths(below: np.ndarray, above: np.ndarray) -> Component:
@@ -137,17 +138,6 @@ def columns_of_components(
         f"{name}_components": (("load", "source", "component"), sides),
         f"{name}_estimate": ("load", value),
     }
-
-
-def is_of_budget(name: str) -> bool:
-    """Return whether `uncertainty_table` needs the variable.
-
-    Examples
-    --------
-    >>> is_of_budget("mean_gap_lower"), is_of_budget("mean_gap_parts")
-    (True, False)
-    """
-    return name in _TABLE_VARIABLES
 
 
 def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:

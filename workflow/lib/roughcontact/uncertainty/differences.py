@@ -17,12 +17,7 @@ from roughcontact.arguments.quantities import percent
 from roughcontact.errors import SettingsError
 from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads
 from roughcontact.uncertainty.combination import SIGNS, SOURCES
-from roughcontact.uncertainty.groups import (
-    check_alike,
-    check_sizes,
-    needed_for_groups,
-    scaled_components,
-)
+from roughcontact.uncertainty.groups import check_alike, check_sizes, needed_for_groups, scaled_components
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.improvement import ADVICE
 from roughcontact.uncertainty.members import SHARED
@@ -108,7 +103,6 @@ def compare_groups(
 def compare_all(
     groups: Mapping[str, xr.Dataset],
     *,
-    relevant: float = RELEVANT,
     cases: Sequence[tuple[str, str]] = (),
     same_area_pairs: Sequence[Sequence[str]] = (),
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
@@ -125,12 +119,10 @@ def compare_all(
         maps_of_place |= dict.fromkeys(chain, chain)
     for pair in cases or combinations(groups, 2):
         first, second = (groups[name].assign_attrs(group=name) for name in pair)
-        maps = list(first["map"].values)
-        earlier = [
-            "".join(name for name in maps if name in maps_of_place.get(later, ()))
-            for later in second["map"].values
-        ]
-        if sorted(earlier) == sorted(maps) and not cases:
+        maps, later_maps = ([*group["map"].values] for group in (first, second))
+        places = [maps_of_place.get(later, ()) for later in later_maps]
+        earlier = ["".join(name for name in maps if name in place) for place in places]
+        if (is_same_area := sorted(earlier) == sorted(maps)) and not cases:
             second = second.assign_coords(map=earlier)
         elif any(earlier) and not cases:
             omissions.append(
@@ -138,11 +130,10 @@ def compare_all(
                 "and no more, so that they are compared as groups of different places; leave out the others"
             )
         try:
-            is_paired = bool(cases) or sorted(earlier) == sorted(maps)
-            results[pair] = _compared(first, second, paired=is_paired)
+            results[pair] = _compared(first, second, paired=bool(cases) or is_same_area)
         except SettingsError as error:
             omissions.append(str(error))
-    return _add_test_results(results, relevant), omissions
+    return _add_test_results(results), omissions
 
 
 def case_pairs(names: Sequence[str]) -> list[tuple[str, str]]:
@@ -172,7 +163,6 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
 def compare_maps(
     pairs: Mapping[tuple[str, str], tuple[xr.Dataset, xr.Dataset]],
     *,
-    relevant: float = RELEVANT,
     of_place: Collection[tuple[str, str]] = (),
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
     """Return the comparisons of maps of the same area, or placements of the same faces, by their names.
@@ -189,7 +179,7 @@ def compare_maps(
             results[pair] = _compare_two_maps(*common, of_place=pair in of_place)
         except SettingsError as error:
             omissions.append(str(error))
-    return _add_test_results(results, relevant), omissions
+    return _add_test_results(results), omissions
 
 
 def _select_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[xr.Dataset]:
@@ -279,9 +269,7 @@ def _compare_two_maps(first: xr.Dataset, second: xr.Dataset, *, of_place: bool =
 
 def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compared:
     """Return the comparison of two groups, without a judgement."""
-    labels = [
-        data.attrs.get("group") or noun for data, noun in ((first, "the first"), (second, "the second"))
-    ]
+    labels = [first.attrs.get("group") or "the first", second.attrs.get("group") or "the second"]
     for label, data in zip(labels, (first, second), strict=True):
         if data.sizes["map"] < 2:
             raise SettingsError(
@@ -344,24 +332,24 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
     return _Compared(_table(rows, loads), load_correlations, paired, units, "part" if has_parts else "map")
 
 
-def _add_test_results(comparisons: Mapping[Any, _Compared], relevant: float) -> dict[Any, xr.Dataset]:
+def _add_test_results(
+    comparisons: Mapping[Any, _Compared], relevant: float = RELEVANT
+) -> dict[Any, xr.Dataset]:
     """Return the comparisons with p-values adjusted for all of them and their loads, and with outcomes."""
     adjusted: dict[str, dict[Any, np.ndarray]] = {}  # quantity -> comparison -> (load)
     for key, (table, correlations, *_) in comparisons.items():
         for name, correlation in zip(table["quantity"].values, correlations, strict=True):
             p_values = table["p_value"].sel(quantity=name).values
             adjusted.setdefault(name, {})[key] = adjust_over_loads(p_values, correlation)
-    adjusted = {
-        name: dict(zip(family, holm([*family.values()]), strict=True)) for name, family in adjusted.items()
-    }
+    for name, family in adjusted.items():
+        adjusted[name] = dict(zip(family, holm([*family.values()]), strict=True))
     results = {}
     for key, comparison in comparisons.items():
         table = comparison.table[[*_RATIOS]]
-        p_values = np.reshape(
-            [adjusted[name][key] for name in table["quantity"].values], table["ratio"].shape
-        )
+        ratio = table["ratio"]
+        p_values = np.reshape([adjusted[name][key] for name in table["quantity"].values], ratio.shape)
         columns = {"p_value": p_values, "outcome": _outcomes(comparison, p_values, relevant)}
-        results[key] = table.assign({name: (table["ratio"].dims, column) for name, column in columns.items()})
+        results[key] = table.assign({name: (ratio.dims, column) for name, column in columns.items()})
     return results
 
 

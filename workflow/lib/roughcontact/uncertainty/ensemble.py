@@ -52,9 +52,8 @@ def solve_member(
     material, border = elasticity(**contact), facts_of(contact).border
     values = {name: np.full(pressures.shape, np.nan) for name in names}
     for load, pressure, gap in solutions:
-        for name, value in headline_values(
-            pressure, gap, names, material, steps=steps, border=border
-        ).items():
+        numbers = headline_values(pressure, gap, names, material, steps=steps, border=border)
+        for name, value in numbers.items():
             values[name][load] = value * (unit if name == AREA else 1.0)
     return values
 
@@ -107,13 +106,10 @@ class Result(NamedTuple):
         return self.solve(window, self.contact, names=self.values, loads=self.few)
 
     def again(self, window: xr.DataArray) -> dict[str, np.ndarray]:
-        """Return the results of a changed window (load)."""
-        return self.carried(self.solve_at_samples(window))
-
-    def carried(self, values: Values) -> dict[str, np.ndarray]:
-        """Return results (load) from those at the few loads, the change interpolated on its scale."""
+        """Return the results of a changed window (load), their change interpolated on its scale."""
+        values = self.solve_at_samples(window)
         if self.few.size == self.load.size:
-            return {**values}
+            return values
         results = {}
         for name, value in self.values.items():
             middle = to_scale(name, value)

@@ -63,9 +63,8 @@ def scatter_of_positions(
 ) -> Scatter:
     """Return the scatter of the results of a body over other positions of its form on the roughness."""
     chosen = result.few
-    members = result.members(
-        roughness.copy(data=np.roll(roughness.values, shift, (0, 1))) for shift in shifts
-    )
+    rolled = (np.roll(roughness.values, shift, (0, 1)) for shift in shifts)
+    members = result.members(roughness.copy(data=heights) for heights in rolled)
     arms = {}
     for name, value in result.values.items():
         changes = to_scale(name, np.vstack([value[chosen], members[name]])) - to_scale(name, value[chosen])

@@ -169,11 +169,9 @@ def _known(statistics: xr.Dataset) -> tuple[float, float, dict[str, float]]:
     value, lower, upper = (float(at_load[f"{AREA}{suffix}"]) for suffix in ENDS)
     is_unbounded = at_load[f"{AREA}_components"].isnull().any("component").values
     widths = np.where(is_unbounded, np.inf, at_load[f"{AREA}_uncertainty"].values / value)
-    by_source = dict(zip(at_load["source"].values, map(float, widths), strict=True))
-    widths_of_sources: dict[str, float] = {
-        key: by_source[key] for key in SOURCES if not math.isnan(by_source[key])
-    }
-    return value, float(relative_half_width(value, lower, upper)), widths_of_sources
+    by_source: dict[str, float] = dict(zip(at_load["source"].values, map(float, widths), strict=True))
+    by_source = {source: by_source[source] for source in SOURCES if not math.isnan(by_source[source])}
+    return value, float(relative_half_width(value, lower, upper)), by_source
 
 
 def _more_places(half_width: float, shared_error: float, of_windows: Sequence[float]) -> str:

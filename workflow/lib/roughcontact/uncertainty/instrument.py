@@ -108,11 +108,10 @@ def _noise_shift(result: Result, noise: float, *, margin: float) -> Components:
     # opposite draw that cancels
     draws = [result.changes(result.again(add_noise(result.window, sign * noise))) for sign in (1, -1)]
     changes = {name: np.mean([draw[name] for draw in draws], axis=0) for name in result.values}
+    factor = -(1 + margin) * exponent_back
     with np.errstate(invalid="ignore"):
-        factor = -(1 + margin) * exponent_back
-        return {
-            name: one_sided(np.where(change == 0, 0.0, factor * change)) for name, change in changes.items()
-        }
+        shifts = {name: np.where(change == 0, 0.0, factor * change) for name, change in changes.items()}
+    return {name: one_sided(shift) for name, shift in shifts.items()}
 
 
 def _chance_of_noise(result: Result, noise: float) -> Components:

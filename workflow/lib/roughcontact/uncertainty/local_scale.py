@@ -69,12 +69,9 @@ def whole_contact(
     inputs |= {name: contact.get(name) for name in ("contact_modulus", HARDNESS)}
     smooth, at_places = _places(inputs, radius, contact)
     curve = solve_contact(window, **at_places, reduce=budget_inputs)
-    of_map = [
-        source for source in add_correction_source(sources, window) if source not in OF_MATERIAL.values()
-    ]
-    budget = error_budget(
-        levelled_map, window, {**settings, "contact": at_places}, sources=of_map, solved=curve, **options
-    )
+    all_sources, settings_of_map = add_correction_source(sources, window), {**settings, "contact": at_places}
+    of_map = [source for source in all_sources if source not in OF_MATERIAL.values()]
+    budget = error_budget(levelled_map, window, settings_of_map, sources=of_map, solved=curve, **options)
     estimate, lower, upper = (
         {name: budget.get(f"{name}{kind}", curve[name]).values for name in _OF_MAP}
         for kind in ("_estimate", *ENDS[1:])

@@ -31,13 +31,7 @@ import xarray as xr
 
 from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.quantities import number as number_text
-from roughcontact.surface.faces.placing import (
-    Place,
-    measured_rectangle,
-    place_in_words,
-    recorded_place,
-    shown_by,
-)
+from roughcontact.surface.faces import placing
 from roughcontact.surface.levelling.forms import form_order
 from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.window.periodic_window import subwindow
@@ -104,7 +98,7 @@ def scatter_with_overviews(
     alone = scatter_of_subwindows(result, levelled, arguments=arguments, number=number)
     if not alone.features:
         return alone
-    fine = measured_rectangle(levelled)
+    fine = placing.measured_rectangle(levelled)
     views = [_view(result, fine, overview, overviews, arguments) for overview in overviews]
     sentences = [_sentence(fine, overview) for overview in overviews]
     return with_views(alone._replace(overview=" ".join(sentences)), result, views)
@@ -112,7 +106,7 @@ def scatter_with_overviews(
 
 def _sentence(fine: xr.DataArray, overview: xr.DataArray) -> str:
     """Return what an overview is, a sentence of the report."""
-    file, words = overview.attrs.get("source_file"), place_in_words(overview)
+    file, words = overview.attrs.get("source_file"), placing.place_in_words(overview)
     sides = " × ".join(number_text(side, digits=2) for side in reversed(field_ratios(fine, overview)))
     overview_in_words = f"An overview{f' ({file})' if file else ''} of {sides} fields"
     return f"{overview_in_words} shows other places; {words[0].lower()}{words[1:]}"
@@ -131,9 +125,9 @@ def _view(
         for other in (overview, *overviews)
         if np.allclose(spacing(other), spacing(overview), rtol=_SAME_PIXELS)
     ]
-    places = ((other, recorded_place(other)) for other in like_it)
+    places = ((other, placing.recorded_place(other)) for other in like_it)
     own = next((other.isel(window_of_place(fine, other, place)) for other, place in places if place), None)
-    footprint = shown_by(fine, overview) if own is None else own
+    footprint = placing.shown_by(fine, overview) if own is None else own
     return View(
         transfers_of(result, form_order(fine), footprint, overview, arguments),
         pixels=math.sqrt(math.prod(spacing(overview)) / math.prod(spacing(fine))),
@@ -148,7 +142,7 @@ def field_ratios(fine: xr.DataArray, overview: xr.DataArray) -> tuple[float, flo
     return float(y), float(x)
 
 
-def window_of_place(fine: xr.DataArray, overview: xr.DataArray, place: Place) -> Slices:
+def window_of_place(fine: xr.DataArray, overview: xr.DataArray, place: placing.Place) -> Slices:
     """Return rows and columns of the place of a map in the overview around it."""
     own = {}
     for axis, n, step, side in zip("yx", overview.shape, spacing(overview), side_lengths(fine), strict=True):
@@ -187,13 +181,8 @@ def transfers_of(
     transfers = {}
     for name in at_places:
         of_map, *others, joint = at_places[name]
-        changed = np.array(others) - octave[name][1:]
-        numbers = (
-            np.mean(others, axis=0) - of_map,
-            joint - of_map,
-            np.std(changed, axis=0, ddof=1),
-            np.std(others, axis=0, ddof=1),
-        )
+        scatter = (np.std(values, axis=0, ddof=1) for values in (np.array(others) - octave[name][1:], others))
+        numbers = np.mean(others, axis=0) - of_map, joint - of_map, *scatter
         transfers[name] = Transfer(*map(result.extend_to_loads, numbers))
     return transfers
 
