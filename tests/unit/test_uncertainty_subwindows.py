@@ -212,6 +212,6 @@ def test_numbers_between_loads_are_linear_in_the_logarithm_of_the_load():
     load, solved = np.array([100.0, 1.0, 10.0]), np.array([0, 1])
     np.testing.assert_allclose(extend_to_loads(np.array([4.0, 2.0]), solved, load), [4.0, 2.0, 3.0])
     load, gap = np.array([1.0, 1.1, 10.0, 100.0]), np.array([1.0, 1.2, 2.0, 4.0])
-    result = Result(surface(64, longest=32.0), {"mean_pressure": load}, {GAP: gap})
-    carried = result.carried({GAP: np.array([3.0, 6.0, 12.0])})[GAP]
-    np.testing.assert_allclose(carried, 3 * gap)  # three times as large at all loads
+    window, solve = surface(64, longest=32.0), lambda *_, **__: {GAP: np.array([3.0, 6.0, 12.0])}
+    result = Result(window, {"mean_pressure": load}, {GAP: gap}, solve)
+    np.testing.assert_allclose(result.again(window)[GAP], 3 * gap)  # three times as large at all loads

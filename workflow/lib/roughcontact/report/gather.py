@@ -13,16 +13,7 @@ import xarray as xr
 from roughcontact.arguments.measurement import json_attribute, json_attributes
 from roughcontact.errors import RoughContactError
 from roughcontact.report.page import write_report
-from roughcontact.results.collect import (
-    Entry,
-    Failure,
-    append_failures,
-    collect_statistics,
-    file_of,
-    pairs_table,
-    solved_results,
-    summary_table,
-)
+from roughcontact.results import collect
 from roughcontact.results.storage import provenance, table_text, write_dataset, write_table, write_text
 from roughcontact.uncertainty.combination import TABLE_VARIABLES, uncertainty_table
 from roughcontact.uncertainty.differences import case_pairs, compare_all, compare_maps
@@ -40,7 +31,7 @@ _ON_REQUEST = {
 def write_results(
     folder: str | Path,
     *,
-    finished: Sequence[Entry],
+    finished: Sequence[collect.Entry],
     title: str,
     settings: dict[str, Any],
     settings_of_statistics: dict[str, Any],
@@ -48,7 +39,7 @@ def write_results(
     pairs: Mapping[str, Sequence[str]] = MappingProxyType({}),
     same_area_pairs: Sequence[Sequence[str]] = (),
     changed: Mapping[str, Sequence[str]] | None = None,
-    failures: Sequence[Failure] = (),
+    failures: Sequence[collect.Failure] = (),
     linked: bool = True,
 ) -> list[str]:
     """Write the datasets, tables and page of all surfaces of a run; return why groups were left out.
@@ -63,20 +54,20 @@ def write_results(
         of_case = settings if entry["case"] is None else settings[entry["case"]]
         for file, (section, key) in _ON_REQUEST.items():
             if of_case.get(section, {}).get(key) is None:  # of an earlier run
-                file_of(entry, file).unlink(missing_ok=True)
-    statistics = collect_statistics(finished)
+                collect.file_of(entry, file).unlink(missing_ok=True)
+    statistics = collect.collect_statistics(finished)
     attrs = provenance(settings_of_statistics, source_sha256=statistics.source_sha256, stage="statistics")
     if failures:
         attrs |= json_attributes({"failed": list(failures)})
     write_dataset(statistics.assign_attrs(attrs), folder / "statistics.nc")
-    summary = summary_table(statistics)
-    text = table_text(append_failures(summary, failures))
+    summary = collect.summary_table(statistics)
+    text = table_text(collect.append_failures(summary, failures))
     write_text(text, folder / "summary.csv")
     write_table(budget_table(statistics), folder / "uncertainty.csv")
     solved = set(summary["surface"])
     pair_of_surface = {name: pair for pair, names in pairs.items() for name in names if name in solved}
     if pair_of_surface:
-        write_table(pairs_table(summary, pair_of_surface), folder / "pairs.csv")
+        write_table(collect.pairs_table(summary, pair_of_surface), folder / "pairs.csv")
     names_requested = {*chain.from_iterable((*same_area_pairs, *groups.values(), *pairs.values()))}
     by_case = _split_by_map(statistics, names_requested)
     answers, omissions = group_answers(by_case, groups, pairs)
@@ -198,7 +189,7 @@ def _split_by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, d
     bands = json_attribute(statistics.attrs, "bands")
     variables_needed = statistics[needed_for_groups(map(str, statistics.variables))].drop_attrs(deep=False)
     by_case: dict[str, dict[str, xr.Dataset]] = {}
-    for labels, result in solved_results(variables_needed):
+    for labels, result in collect.solved_results(variables_needed):
         case, surface = labels.get("case", ""), labels["surface"]
         if surface in names:
             by_case.setdefault(case, {})[surface] = result.assign_attrs(bands[case][surface])
@@ -208,7 +199,8 @@ def _split_by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, d
 def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return the components of every interval of the surfaces (and cases) of `collect_statistics`."""
     of_budget = statistics[[name for name in statistics.variables if name in TABLE_VARIABLES]]
-    tables = [uncertainty_table(result).assign(**labels) for labels, result in solved_results(of_budget)]
+    results = collect.solved_results(of_budget)
+    tables = [uncertainty_table(result).assign(**labels) for labels, result in results]
     combined_table = pd.concat(tables, ignore_index=True)
     labels = [dim for dim in ("case", "surface") if dim in combined_table]
     return combined_table[labels + [column for column in combined_table if column not in labels]]

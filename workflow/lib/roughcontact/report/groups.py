@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ANSWERS, AREA, COMPARED, PEAK, TITLES
+from roughcontact.arguments.answers import ANSWERS, AREA, COMPARED, ENDS, PEAK, TITLES
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import Unit, percent, quantity, with_interval
 from roughcontact.report.glance import Cell, glance_units, interval_cell, shown_loads
@@ -122,7 +122,7 @@ def group_cells(answer: xr.Dataset, units: Mapping[str, Unit], index: int) -> li
     return [
         Cell(units["mean_pressure"].text(float(answer["mean_pressure"][index]))),
         _mean(answer, AREA, units, index),
-        Cell(_range(answer, AREA, "next_", units, index)),
+        Cell(_range(answer, AREA, "_next", units, index)),
         _scatter(answer.isel(load=index)),
         *(_mean(answer, name, units, index) if name in answer else Cell("–") for name in _FURTHER),
     ]
@@ -140,9 +140,7 @@ def _mean(answer: xr.Dataset, name: str, units: Mapping[str, Unit], index: int) 
 
 def _range(answer: xr.Dataset, name: str, prefix: str, units: Mapping[str, Unit], index: int) -> str:
     """Return an interval by its ends."""
-    return units[name].ends(
-        *(float(answer[f"{name}_{prefix}{bound}"][index]) for bound in ("lower", "upper"))
-    )
+    return units[name].ends(*(float(answer[f"{name}{prefix}{end}"][index]) for end in ENDS[1:]))
 
 
 def _scatter(load: xr.Dataset) -> Cell:

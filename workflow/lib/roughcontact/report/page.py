@@ -13,23 +13,10 @@ import xarray as xr
 from roughcontact import __version__
 from roughcontact.arguments.answers import ANSWERS, AREA
 from roughcontact.arguments.quantities import Unit, number
-from roughcontact.report import ONE_PAGE
+from roughcontact.report import ONE_PAGE, glance
 from roughcontact.report.asked import describe_problem, measured_in_words, same_loads
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
-from roughcontact.report.glance import (
-    HEADINGS,
-    IN_WORDS,
-    Cell,
-    answer_line,
-    asked_columns,
-    exact_remarks,
-    glance_rows,
-    glance_units,
-    load_heading,
-    loads_to_compare,
-    without_repetition,
-)
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import comparison_rows, differences_in_words, group_picture, group_rows
 from roughcontact.report.load_plots import compare_areas, line_sample, spread_of_areas
@@ -47,7 +34,7 @@ from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 
 # columns of the index of many surfaces: load and all answers but the last; and the variables that sort them
-_HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g", *HEADINGS[: len(ANSWERS)])
+_HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g", *glance.HEADINGS[: len(ANSWERS)])
 _SORTED_BY = ("mean_pressure", *(answer.quantity for answer in [*ANSWERS.values()][:-1]))
 
 Key = tuple[str, str | None]  # surface and case
@@ -83,22 +70,22 @@ def write_report(
     # a placement stands with its pair, which comes last
     group_of_surface = {str(name): group.name for group in groups for name in group.answer["map"].values}
     results = list(series.values())
-    styles, indices = _line_styles(series, group_of_surface), loads_to_compare(results)
-    units = dict(zip(series, glance_units(results), strict=True))
+    styles, indices = _line_styles(series, group_of_surface), glance.loads_to_compare(results)
+    units = dict(zip(series, glance.glance_units(results), strict=True))
     compared_at = dict(zip(series, indices, strict=True))
-    columns_asked = asked_columns(results)
+    columns_asked = glance.asked_columns(results)
     further = [0, *(column for column in range(1, len(ANSWERS) + 1) if column not in columns_asked)]
     rows: list[dict[str, Any]] = []
     for entry in finished:
         key, path_of_panel = (entry["surface"], entry["case"]), file_of(entry, "panel.html")
         panel = read_summary(path_of_panel)
-        numbers, cells = series[key], glance_rows(series[key], units[key], panel["loads"])
+        numbers, cells = series[key], glance.glance_rows(series[key], units[key], panel["loads"])
         alone = len(cells) == len(finished) == 1  # then no table of loads repeats it
         if alone or len(cells) > 1:
-            line = answer_line(numbers, panel["loads"][-1], cells[-1], alone=alone)
+            line = glance.answer_line(numbers, panel["loads"][-1], cells[-1], alone=alone)
         else:  # the row is the answer
-            line = exact_remarks([cells[0][column] for column in columns_asked])
-        cells = [without_repetition(cells_of_load, line) for cells_of_load in cells]
+            line = glance.exact_remarks([cells[0][column] for column in columns_asked])
+        cells = [glance.without_repetition(cells_of_load, line) for cells_of_load in cells]
         rows.append(
             {
                 **entry,
@@ -118,18 +105,18 @@ def write_report(
     for failure in failures:
         causes.setdefault((failure["surface"], failure["reason"]), []).append(failure["case"])
     failure_rows = [
-        {"surface": name, "reason": reason, "cases": cases, "name": _name(name, _listed(cases))}
+        {"surface": name, "reason": reason, "cases": cases, "name": _name(name, *cases)}
         for (name, reason), cases in causes.items()
     ]
     cases = [*(case for _, case in series), *(failure["case"] for failure in failures)]
     head: dict[str, Any] = {"title": title, "version": __version__, "words": VERDICTS}
     head |= {
-        "asked": [load_heading(results), *(HEADINGS[column] for column in columns_asked[1:])],
-        "further": [load_heading(results), *(HEADINGS[column] for column in further[1:])],
+        "asked": [glance.load_heading(results), *(glance.HEADINGS[column] for column in columns_asked[1:])],
+        "further": [glance.load_heading(results), *(glance.HEADINGS[column] for column in further[1:])],
     }
     head |= {"single": len(rows) == 1, "open_below": OPEN_BELOW, "open_parts": OPEN_PARTS}
     head["answer"] = rows[0]["answer"] if len(rows) == 1 else differences_in_words(compared or {})
-    head |= {"in_words": IN_WORDS, "asked_of_run": describe_problem(settings, changed)}
+    head |= {"in_words": glance.IN_WORDS, "asked_of_run": describe_problem(settings, changed)}
     equal = same_loads(settings)
     if has_index:
         _write_pages(folder / "pages", rows, by_surface, failure_rows, equal_loads=equal, head=head)
@@ -292,27 +279,20 @@ def _series(statistics: xr.Dataset) -> dict[Key, xr.Dataset]:
     return series
 
 
-def _name(surface: str, case: str | None) -> str:
-    """Return the name of a surface, under a case, on the page."""
-    return str(surface) if case is None else f"{surface} · {case}"
-
-
-def _listed(cases: Sequence[str | None]) -> str | None:
-    """Return the names of some cases; None in a run without cases."""
-    return ", ".join(case for case in cases if case is not None) or None
+def _name(surface: str, *cases: str | None) -> str:
+    """Return the name of a surface, under a case or several, on the page."""
+    return " · ".join(filter(None, [str(surface), ", ".join(filter(None, cases))]))
 
 
 def _compared(data: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[dict[str, Any]]:
     """Return the cells of a surface in the index, below `_HEADINGS`, with their sorting keys."""
-    answers = glance_rows(data, units, [index])[0]
-    keys = [_sorted(float(data[name][index])) if name else None for name in _SORTED_BY]
+    rms, slope = (float(data[name]) for name in ("rms_height", "rms_gradient"))
+    answers = glance.glance_rows(data, units, [index])[0]
+    cells = [glance.Cell(units["mean_gap"].text(rms)), glance.Cell(number(slope)), *answers]
+    keys = [rms, slope, *(float(data[name][index]) if name else None for name in _SORTED_BY)]
     return [
-        Cell(units["mean_gap"].text(rms := float(data["rms_height"])))._asdict() | {"key": _sorted(rms)},
-        Cell(number(slope := float(data["rms_gradient"])))._asdict() | {"key": _sorted(slope)},
-        *(
-            cell._replace(details="" if key is None else cell.details)._asdict() | {"key": key}
-            for cell, key in zip(answers[: len(keys)], keys, strict=True)
-        ),
+        cell._asdict() | ({"details": "", "key": None} if key is None else {"key": _sorted(key)})
+        for cell, key in zip(cells, keys, strict=False)  # all but the last
     ]
 
 

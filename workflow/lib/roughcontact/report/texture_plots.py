@@ -73,9 +73,7 @@ def _mark_band(chart: Chart, window: xr.DataArray, longest_wave: float, unit_q: 
     `longest_wave` is the smallest wavenumber that is drawn, `unit_q` the factor from 1/m to its unit.
     """
     step = min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
-    longest, shortest = (
-        2 * np.pi / window.attrs[f"band_{bound}"] * unit_q for bound in ("longest", "shortest")
-    )
+    longest, shortest = (2 * np.pi / window.attrs[f"band_{end}"] * unit_q for end in ("longest", "shortest"))
     outside = [(chart.x.low, longest)] if longest > longest_wave * 1.01 else []
     if window.attrs["band_shortest"] > 2 * step * 1.01:
         outside.append((shortest, chart.x.high))

@@ -176,7 +176,6 @@ def median_numbers(results: Sequence[xr.Dataset]) -> dict[str, float]:
     >>> median_numbers([xr.Dataset({"rms_height": rms}) for rms in (1e-8, 1e-6, 2e-6)])
     {'rms_height': 1e-06}
     """
-    available = (
-        name for name in ("contact_modulus", "rms_height") if all(name in result for result in results)
-    )
+    names = ("contact_modulus", "rms_height")
+    available = [name for name in names if all(name in result for result in results)]
     return {name: float(np.median([float(result[name]) for result in results])) for name in available}

@@ -13,26 +13,17 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.answers import ANSWERS
 from roughcontact.arguments.finite_body import form_radii
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.measurement import Instrument, json_attributes
 from roughcontact.arguments.variables import describe, values_at_load
-from roughcontact.statistics import contact_checks, instrument_checks, map_checks
+from roughcontact.statistics import contact_checks, instrument_checks, map_checks, outcome
 from roughcontact.statistics.contact_checks import CONTACT_POINTS, OVERCOUNT, overcount
 from roughcontact.statistics.kinds import OMITTED_CHECKS
 from roughcontact.statistics.local_scale import local_scale
 from roughcontact.statistics.map_checks import FILLED_IN_CONTACT, REJECTED_LOAD, Attributes
-from roughcontact.statistics.outcome import (
-    ANSWERS,
-    NOTE,
-    REVIEW,
-    VERDICTS,
-    Check,
-    CheckName,
-    not_passed,
-    reason_text,
-    worst_result,
-)
+from roughcontact.statistics.outcome import Check, CheckName
 
 # what a check puts in doubt, where that is not every answer
 _SHORT_WAVES = ("relative_contact_area", "mean_contact_pressure", "yield", "max_pressure", "conductance")
@@ -126,16 +117,16 @@ def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
         CheckName.FORM: lambda window: bool(form_radii(window)),
     }
     # a limit beyond which the interval does not hold either
-    if check.outcome != REVIEW or (check.name in limits and limits[check.name](window)):
+    if check.outcome != outcome.REVIEW or (check.name in limits and limits[check.name](window)):
         return check
     if check.name == CheckName.PLASTICITY and "hardness" in statistics:
-        return check._replace(outcome=NOTE)  # the contact was solved with it: flow is in the numbers
+        return check._replace(outcome=outcome.NOTE)  # the contact was solved with it: flow is in the numbers
     source = _IN_THE_INTERVAL.get(check.name)
     budget = statistics.get("relative_contact_area_uncertainty")
     # an interval without an end includes nothing
     if source is not None and budget is not None and np.isfinite(budget.sel(source=source)).all():
-        return check._replace(outcome=NOTE, advice=f"{check.advice} The ± includes it.".lstrip())
-    return check._replace(outcome=NOTE) if check.name in _NOTES else check
+        return check._replace(outcome=outcome.NOTE, advice=f"{check.advice} The ± includes it.".lstrip())
+    return check._replace(outcome=outcome.NOTE) if check.name in _NOTES else check
 
 
 def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
@@ -211,20 +202,18 @@ def add_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     loads = range(statistics.sizes["load"])
     by_load = [window_checks(statistics.isel(load=[load]), window) for load in loads]
     together = window_checks(statistics, window)
-    grades = list(VERDICTS)
-    verdict_texts = [
-        [VERDICTS[worst_result(load_checks)], [reason_text(check) for check in not_passed(load_checks)]]
-        for load_checks in by_load
-    ]
+    grades = list(outcome.VERDICTS)
+    words = [outcome.VERDICTS[outcome.worst_result(checks)] for checks in by_load]
+    texts = [[outcome.reason_text(check) for check in outcome.not_passed(checks)] for checks in by_load]
 
     def flags(*answers: str) -> tuple[str, np.ndarray]:
-        verdicts = [worst_result(load_checks, *answers) for load_checks in by_load]
-        return "load", np.array([*map(grades.index, verdicts)], np.int8)
+        results = [outcome.worst_result(checks, *answers) for checks in by_load]
+        return "load", np.array([*map(grades.index, results)], np.int8)
 
     of_answers = {f"{answer}_verdict": flags(answer) for answer in ANSWERS}
     result = describe(statistics.assign(of_answers | {"verdict": flags()}))
-    reasons = _reasons_with_loads(by_load, together)
-    return result.assign_attrs(json_attributes({"reasons": reasons, "verdicts": verdict_texts}))
+    reasons, verdicts = _reasons_with_loads(by_load, together), [*zip(words, texts, strict=True)]
+    return result.assign_attrs(json_attributes({"reasons": reasons, "verdicts": verdicts}))
 
 
 def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> list[dict[str, Any]]:
@@ -238,9 +227,9 @@ def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> li
         doubts_by_load = {
             load: counterpart
             for load, checks in enumerate(by_load)
-            for counterpart in not_passed(checks)
+            for counterpart in outcome.not_passed(checks)
             if counterpart.name == check.name
         }
-        if doubts := not_passed([check, *doubts_by_load.values()]):
+        if doubts := outcome.not_passed([check, *doubts_by_load.values()]):
             reasons.append({"check": check.name, "loads": [*doubts_by_load], "text": doubts[0].sentence})
     return reasons

@@ -343,12 +343,11 @@ def _ends_of_the_joint(statistics: xr.Dataset, film: xr.DataArray) -> dict[str, 
     if not {f"{name}{end}" for name in (area, gap, resistance) for end in ENDS[1:]} <= {*statistics}:
         return {}
     bounds, jump = {}, statistics.attrs.get("joint_temperature_jump", 0.0)
+    by_gas = statistics["gas_conductance"] * (statistics[gap] + jump)
     for end in ENDS[1:]:
         opposite = OPPOSITE_ENDS[end]
         spots = statistics[f"{resistance}{opposite}"] + film * statistics[area] / statistics[f"{area}{end}"]
-        gas = (
-            statistics["gas_conductance"] * (statistics[gap] + jump) / (statistics[f"{gap}{opposite}"] + jump)
-        )
+        gas = by_gas / (statistics[f"{gap}{opposite}"] + jump)
         # without an end, nothing bounds spots or gap
         with np.errstate(divide="ignore"):
             bounds[f"joint_conductance{end}"] = (1 / spots).fillna(0.0) + gas.fillna(0.0)

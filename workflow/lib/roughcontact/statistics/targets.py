@@ -16,17 +16,10 @@ from roughcontact.contact.loads import check_loads, plan_loads
 from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.statistics import subsurface
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.statistics.first_yield import first_yield_pressure
 from roughcontact.statistics.sealing.connectivity import percolates
-from roughcontact.statistics.subsurface import (
-    Bodies,
-    Body,
-    largest_over_yield,
-    strained_body,
-    stress_columns,
-    yield_stresses,
-)
 from roughcontact.statistics.theory import xu_area
 
 TARGETS = ("target_area", "target_gap", "target")  # keys of the settings, as arguments of `target_loads`
@@ -44,7 +37,7 @@ def target_loads(
     target_gap: float | Sequence[float] | None = None,
     target: LoadTarget | Sequence[LoadTarget] | None = None,
     hardness: float | None = None,
-    bodies: Bodies | None = None,
+    bodies: subsurface.Bodies | None = None,
     **solver: Any,
 ) -> list[float]:
     """Return the mean pressures (Pa) at which the contact of a periodic map (y, x; m) reaches given targets.
@@ -120,7 +113,7 @@ def target_loads(
             crossings = (crossing(partial(closed, axis), 0.25 * unit, steady=False) for axis in (1, 0))
             loads += dict.fromkeys(load for load in crossings if load is not None)
         else:
-            body = strained_body(bodies) or {}
+            body = subsurface.strained_body(bodies) or {}
             loads.append(_first_yield(window, modulus, hardness=hardness, body=body, **solver))
     return loads
 
@@ -153,10 +146,10 @@ def _state(window: xr.DataArray, load: float, **solver: Any) -> tuple[np.ndarray
 
 
 def _first_yield(
-    window: xr.DataArray, modulus: float, *, hardness: float | None, body: Body, **solver: Any
+    window: xr.DataArray, modulus: float, *, hardness: float | None, body: subsurface.Body, **solver: Any
 ) -> float:
     """Return the load of first yield, below the surface where a yield stress is known."""
-    limit = min(yield_stresses(body))
+    limit = min(subsurface.yield_stresses(body))
     if limit == math.inf or top_material(body).get("poissons_ratio") is None:
         if hardness is None:
             raise SettingsError(
@@ -170,7 +163,8 @@ def _first_yield(
     def excess(load: float) -> float:
         """Return by how much the largest stress exceeds the yield stress, in the logarithm."""
         pressure, _ = _state(window, load, contact_modulus=modulus, **solver)
-        return math.log(largest_over_yield(stress_columns(pressure, steps, **body), body))
+        stress = subsurface.stress_columns(pressure, steps, **body)
+        return math.log(subsurface.largest_over_yield(stress, body))
 
     # a single point carries at most the load of all
     load = _crossing(excess, limit / math.sqrt(window.size))

@@ -17,21 +17,8 @@ from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.surface.window.transfer import undone
 from roughcontact.uncertainty.budget_inputs import budget_inputs
-from roughcontact.uncertainty.combination import (
-    COMBINED,
-    SIDES,
-    SOURCES,
-    Components,
-    component_from_units,
-    sum_of_causes,
-    symmetric,
-)
-from roughcontact.uncertainty.discretisation import (
-    CORRECTED,
-    Refinement,
-    discretisation_error,
-    periodic_interpolant,
-)
+from roughcontact.uncertainty.combination import COMBINED, SIDES, SOURCES, Components, sum_of_causes
+from roughcontact.uncertainty.discretisation import Refinement, discretisation_error, periodic_interpolant
 from roughcontact.uncertainty.ensemble import Result, loads_of, measured_slices
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.inputs import AMPLIFICATIONS, HARDNESS, INPUTS, input_uncertainty
@@ -40,6 +27,7 @@ from roughcontact.uncertainty.intervals import Octave, add_pressure, area_for_th
 from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.sample import constrictions_in_grooves, sample_attributes
 from roughcontact.uncertainty.scales import AREA, PEAK, PRESSURE, to_scale
+from roughcontact.uncertainty.solver import solver_components
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, magnification_curve, next_octave
 
@@ -156,7 +144,7 @@ def error_budget(
     octave: Octave | None = None
     attrs: dict[str, Any] = {}
     if "solver" in sources:
-        components["solver"] = _solver_components(solved)
+        components["solver"] = solver_components(solved)
     if "discretisation" in sources:
         correction, components["discretisation"] = discretisation_error(
             result,
@@ -241,9 +229,3 @@ def _index_of_the_peak(solution: xr.Dataset, hardness: float) -> int:
     # points that flow share the hardness: where they do under all loads, the lightest has the fewest
     heaviest = np.where(solution[PEAK].values < hardness, load, -load).argmax()
     return int(solution["index_of_the_peak"].values[heaviest])
-
-
-def _solver_components(solution: xr.Dataset) -> Components:
-    """Return the components of the solver, whose half-widths are in the unit of each quantity."""
-    widths = {name: symmetric(solution[f"{name}_uncertainty"].values) for name in CORRECTED}
-    return {name: component_from_units(name, solution[name].values, width) for name, width in widths.items()}

@@ -20,6 +20,7 @@ mean is the load over the area. Constants are calibrated against solutions conve
 import numpy as np
 import xarray as xr
 
+from roughcontact.uncertainty.combination import Components, component_from_units, symmetric
 from roughcontact.uncertainty.headline import iterate_fields
 from roughcontact.uncertainty.scales import AREA, GAP, PEAK
 
@@ -38,6 +39,12 @@ def solver_uncertainty(contact: xr.Dataset, *, energy: np.ndarray) -> dict[str, 
         peaks.append(_POINT_ERROR * bound * pressure.max())
     gaps = bounds * energy / contact["mean_pressure"].values
     return {AREA: np.array(areas), GAP: gaps, PEAK: np.array(peaks)}
+
+
+def solver_components(solution: xr.Dataset) -> Components:
+    """Return the components of the solver from `budget_inputs`, on the scales."""
+    widths = {name: symmetric(solution[f"{name}_uncertainty"].values) for name in (AREA, GAP, PEAK)}
+    return {name: component_from_units(name, solution[name].values, width) for name, width in widths.items()}
 
 
 def points_within_reach(pressure: np.ndarray, gap: np.ndarray, bound: float) -> int:
