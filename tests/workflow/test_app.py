@@ -46,7 +46,7 @@ from roughcontact.interface.app.page import Page
 from roughcontact.interface.app.study import CONFIG, check
 from roughcontact.io import inspection, registry
 from roughcontact.report.summary import Summary, write_summary
-from roughcontact.study.surfaces import column_meaning, read_surfaces
+from roughcontact.study.surfaces import column_choices, column_meaning, read_surfaces
 from roughcontact.surface.synthetic import self_affine_surface
 
 in_browser = [
@@ -390,6 +390,8 @@ class TestJobs:
             assert label == column.replace("_", " ")
             assert sentence == f"{column}: {column_meaning(column)} {column}"
             assert len(column_meaning(column)) > 20
+            options = browser.evaluate(f"[...{control}.options ?? []].map(option => option.value)")
+            assert options == (["", *words] if (words := column_choices(column)) else [])
         picture(browser, f"app-job-{job}")
 
     def test_more_has_every_setting_once(self, browser):

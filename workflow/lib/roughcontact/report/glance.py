@@ -192,7 +192,8 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell], *, alone
         known = [cell.precision if cell.remark in repeated else cell.known]
         if alone:
             details = [part for part in cell.details.split("; ") if part not in allowed]
-            known = [*details, *known, VERDICTS.get(cell.outcome, "")]
+            verdict = "" if cell.outcome == cells[0].outcome else VERDICTS.get(cell.outcome, "")
+            known = [*details, *known, verdict]
         precision = ", ".join(filter(None, known))
         words.append(f"{subject}{cell.text}{f' ({precision})' if precision else ''}")
     line = "; ".join([f"at {cells[0].text}: {', '.join(words)}", *repeated])

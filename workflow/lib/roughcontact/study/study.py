@@ -8,13 +8,13 @@ from typing import Any
 from pydantic import ValidationError
 
 from roughcontact.arguments.checking import check_choice, marker_values
-from roughcontact.arguments.choices import Checksum, FirstRow, LayInGroup, Resampling
 from roughcontact.arguments.kinds import PERIODIC_MAP
 from roughcontact.arguments.settings.models import Composite, Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.units import unit_factor, unknown_unit
 from roughcontact.errors import SettingsError
 from roughcontact.study.surfaces import (
+    CHOICES,
     GROUP,
     OVERVIEW,
     PAIR,
@@ -126,11 +126,10 @@ def _find_mistakes(row: Surface) -> list[Mistake]:
         for key in ("unit", "height_unit")
         if key in row.read_arguments and unit_factor(row.read_arguments[key], "m") is None
     ]
-    choices = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow, "lay": LayInGroup}
     checks: dict[str, Callable[[Any], object]] = {
         "missing_value": marker_values,
         "ignore_lines": lambda cell: marker_values(cell, "ignore_lines"),
-        **{key: partial(check_choice, key, choices=words) for key, words in choices.items()},
+        **{key: partial(check_choice, key, choices=words) for key, words in CHOICES.items()},
     }
     for key, check in checks.items():
         try:

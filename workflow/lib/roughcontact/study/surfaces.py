@@ -16,12 +16,12 @@ from dataclasses import astuple, dataclass, field, replace
 from functools import partial
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import ValidationError
 
 from roughcontact.arguments.checking import check_choice
-from roughcontact.arguments.choices import FirstRow
+from roughcontact.arguments.choices import Checksum, FirstRow, LayInGroup, Resampling
 from roughcontact.arguments.positions import parse_position, separate_positions
 from roughcontact.arguments.rectangles import parse_rectangles
 from roughcontact.arguments.settings.messages import name_mistake, nearest, reason
@@ -61,6 +61,7 @@ _NAMES_OF_OTHERS = ("path", PAIR, OVERVIEW, "channel")  # as files and instrumen
 _OF_OVERVIEWS = ("unit", "height_unit", "first_row", "missing_value", "ignore_lines", "resample", "checksum")
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
 _QUOTED = re.compile(r'"(?:[^"]|"")*"')
+CHOICES = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow, "lay": LayInGroup}
 _OWN = (GROUP, SPECIMEN, TILES, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT, OVERVIEW, OVERVIEW_POSITION)
 # of columns that no option of the program has
 _MEANINGS = {
@@ -168,6 +169,17 @@ def column_meaning(name: str) -> str:
     option = FILE_OPTIONS.get(name.replace("_", "-"), "").replace("--", "").replace("height-", "height_")
     field = Instrument.model_fields.get(name)
     return option or _MEANINGS.get(name) or (field.description if field else None) or ""
+
+
+def column_choices(name: str) -> list[str]:
+    """Return the words that a cell of a column may be; none where any text may stand.
+
+    Examples
+    --------
+    >>> column_choices("lay"), column_choices("counter_face_first_row"), column_choices("unit")
+    (['across', 'along', 'none'], ['top', 'bottom'], [])
+    """
+    return list(get_args((CHOICES | {PAIR_FIRST_ROW: FirstRow}).get(name)))
 
 
 def find(path: str | Path, folders: Iterable[str | Path]) -> Path | None:
