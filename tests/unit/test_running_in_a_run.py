@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact.arguments.answers import AREA
 from roughcontact.arguments.quantities import number
-from roughcontact.evaluation.running_in import ANSWERS, worn_in_a_run
+from roughcontact.evaluation.running_in import ANSWERS, FEW_STEPS, worn_in_a_run
 from roughcontact.report.wear import wear_of
 from roughcontact.results.storage import write_dataset
+from roughcontact.uncertainty.course import levelled_parts
 from roughcontact.uncertainty.scales import to_scale
 
 LOAD, WEAR = 5e6, 1e-15
@@ -28,7 +30,7 @@ def settings(window, *, factor=1.0):
     }
     contact = {"contact_modulus": 1e9, "bodies": None, "hardness": None, "influence": "sampled"}
     contact |= {"zero_frequency": "zero"}
-    return {"wear": wear, "contact": contact, "statistics": {"flow": "never"}}
+    return {"wear": wear, "contact": contact, "statistics": {"flow": "never"}, "instrument": {}}
 
 
 @pytest.fixture(scope="module")
@@ -87,3 +89,37 @@ def test_the_page_says_when_it_is_run_in(worn, tmp_path):
         f"heights after {worn['sliding_distance'].values[-1]:.3g} m",
     ]
     assert "contact area over the distance" in part["images"]
+
+
+@pytest.mark.parametrize(
+    ("section", "stated", "again"),
+    [
+        ("contact", {"mean_pressure_uncertainty": 0.2}, {"mean_pressure": 1.2 * LOAD}),
+        ("contact", {"contact_modulus_uncertainty": [0.1, 0.2]}, {"contact_modulus": 0.9e9}),
+        ("instrument", {"amplification_z": 0.1}, {"heights": 0.9}),
+    ],
+)
+def test_a_stated_range_is_part_of_the_interval(section, stated, again):
+    """Its end, solved here on the part that stands for all, adds by its square where it enlarges the area."""
+    window = face(points=48)
+    full = settings(window)
+    full["wear"]["distance"] = full["wear"]["distance"][2:4]
+    exact, with_range = (
+        worn_in_a_run(window, full | {section: full[section] | each}, mean_pressure=LOAD)
+        for each in ({}, stated)
+    )
+    part = levelled_parts(window)[0]
+    options = {"wear_coefficient": WEAR, "sliding_distance": [0.0, *full["wear"]["distance"]]}
+    options |= {"contact_modulus": 1e9, "mean_pressure": LOAD, "statistics": {"flow": "never"}} | FEW_STEPS
+    changed = part.copy(data=again.pop("heights", 1.0) * part.values)
+    solved, at_end = (
+        to_scale(AREA, rc.run_in(each, **options | more)[AREA].values)
+        for each, more in ((part, {}), (changed, again))
+    )
+    middle, *upper = (
+        to_scale(AREA, result[name].values)
+        for result, name in ((exact, AREA), (exact, f"{AREA}_upper"), (with_range, f"{AREA}_upper"))
+    )
+    width, wider = (end - middle for end in upper)
+    np.testing.assert_allclose(wider, np.hypot(width, at_end - solved), rtol=1e-3)
+    assert (wider > width).all()

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import roughcontact as rc
-from roughcontact.arguments.answers import FRICTION
+from roughcontact.arguments.answers import AREA, FRICTION, PEAK
 from roughcontact.arguments.quantities import number
 from roughcontact.evaluation.sliding import ANSWERS, slid_in_a_run
 from roughcontact.kernels.fourier import wavenumbers
@@ -13,6 +13,7 @@ from roughcontact.report.sliding import sliding_section
 from roughcontact.results.storage import write_dataset
 from roughcontact.surface.window.transfer import corrected as window_corrected
 from roughcontact.surface.window.transfer import transfer
+from roughcontact.uncertainty.course import levelled_parts
 from roughcontact.uncertainty.scales import to_scale
 
 LOAD, SPEEDS = 5e4, [1e-3, 1e-2, 1e-1]
@@ -61,6 +62,31 @@ def test_the_interval_holds_other_faces_of_the_same_finish(slid):
             apart = to_scale(name, again[name].values) - middle
             inside += [*(np.abs(apart) <= np.sqrt(2) * (upper - middle))]
     assert np.mean(inside) > 0.85
+
+
+@pytest.mark.parametrize(("name", "factor"), [(AREA, 0.8), (PEAK, 1.2)])
+def test_a_range_of_the_modulus_is_part_of_the_interval(name, factor):
+    """Its end, solved here with another rubber on the part that stands for all, adds by its square."""
+    window, full = face(points=48), settings()
+    stated = {"contact_modulus_uncertainty": 0.2}
+    exact, with_range = (
+        slid_in_a_run(window, full | {"contact": full["contact"] | each}, mean_pressure=LOAD)
+        for each in ({}, stated)
+    )
+    part, rubber = levelled_parts(window)[0], table()
+    moduli = ["storage_modulus", "loss_modulus"]
+    other = rubber.assign(**{key: factor * rubber[key] for key in moduli})
+    solved, at_end = (
+        rc.sliding_friction(part, relaxation=each, speed=SPEEDS, mean_pressure=LOAD, tolerance=1e-3)[name]
+        for each in (rubber, other)
+    )
+    middle, width, wider = (
+        to_scale(name, result[key].values)
+        for result, key in ((exact, name), (exact, f"{name}_upper"), (with_range, f"{name}_upper"))
+    )
+    expected = np.hypot(width - middle, to_scale(name, at_end.values) - to_scale(name, solved.values))
+    np.testing.assert_allclose(wider - middle, expected, rtol=0.01)
+    assert (wider > width).all()
 
 
 def test_what_the_table_does_not_reach_is_in_the_interval(slid):

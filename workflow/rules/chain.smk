@@ -193,6 +193,7 @@ rule wear:
     """Let the face slide against a smooth one: the worn surfaces, and the contact over the distance."""
     input:
         sources=sources_of("wear"),
+        levelled=file_of("levelled"),
         window=file_of("window"),
         contact=file_of("contact"),
     output:

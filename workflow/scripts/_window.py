@@ -1,9 +1,11 @@
 """The window of a levelled map, the last file of the rules `prepare` and `superpose`."""
 
 from _job import save, snakemake
+from xarray import DataArray
 
-from roughcontact.results.storage import opened_dataset
+from roughcontact.results.storage import opened_dataset, read_dataset
 from roughcontact.surface.preparation import preparation_of
+from roughcontact.surface.window.periodic_window import periodic_window
 
 
 def write_window(settings: dict) -> None:
@@ -18,3 +20,10 @@ def write_window(settings: dict) -> None:
         settings,
         source=plane.attrs,
     )
+
+
+def window_as_measured(window: DataArray, settings: dict) -> DataArray | None:
+    """Return the window (y, x; m) before it was corrected for the instrument, None of one that was not."""
+    if "corrected_for" not in window.attrs:
+        return None
+    return periodic_window(read_dataset(snakemake.input.levelled)["height"], **settings["window"])

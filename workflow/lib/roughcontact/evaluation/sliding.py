@@ -1,10 +1,10 @@
 """Friction of sliding rubber in a run, over the speed, with the ± of each answer.
 
-Five sources, on the scale of each answer: the bound of the solver, of the friction alone; twice what pixels
-half as large change, and what the instrument does, on one part; the scatter of the parts of the window; and
-the share of the friction at frequencies beyond the table of the relaxation, as if nothing were known there.
-Waves that the map does not resolve are not in it: `friction_share_of_octave` shows what the shortest ones
-carry.
+The sources, on the scale of each answer: the bound of the solver, of the friction alone; twice what pixels
+half as large change, what the instrument does, and both ends of stated loads, moduli and scales, on one part;
+the scatter of the parts of the window; and the share of the friction at frequencies beyond the table of the
+relaxation, as if nothing were known there. Waves that the map does not resolve are not in it:
+`friction_share_of_octave` shows what the shortest ones carry.
 """
 
 from collections.abc import Callable, Mapping
@@ -19,7 +19,7 @@ from roughcontact.arguments.variables import describe
 from roughcontact.statistics.sliding import sliding_friction
 from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.uncertainty.combination import symmetric
-from roughcontact.uncertainty.course import components_of_parts, with_ends
+from roughcontact.uncertainty.course import components_of_parts, runs_at_ends, with_ends
 
 ANSWERS = (FRICTION, AREA, PRESSURE, PEAK, GAP)
 COARSE = 1e-3  # tolerance of a part
@@ -59,12 +59,25 @@ def slid_in_a_run(
         seal=seal,
         thermal_conductivity=None if None in conductivities else conductivities,
     )
+    coarse = partial(run, tolerance=COARSE, fields=False)
+    instrument = stated_instrument(window, settings["instrument"])
+
+    def at_end(part: xr.DataArray, *, contact_modulus: float = 1.0, **inputs: float) -> xr.Dataset:
+        """Return the course with load and moduli so many times as large; the rubber has no hardness."""
+        load = inputs.get("mean_pressure", 1.0) * mean_pressure
+        # linear: stiffer rubber is a lighter load, whose pressures are multiplied
+        course = coarse(part, mean_pressure=load / contact_modulus)
+        return course.assign({name: contact_modulus * course[name] for name in (PRESSURE, PEAK)})
+
     of_parts = components_of_parts(
         window,
-        partial(run, tolerance=COARSE, fields=False),
+        coarse,
         ANSWERS,
-        instrument=stated_instrument(window, settings["instrument"]),
+        instrument=instrument,
         as_measured=as_measured,
+        ends_of_inputs=runs_at_ends(
+            at_end, {**settings["contact"], "hardness_uncertainty": None}, instrument
+        ),
     )
     shares = slid["hysteretic_friction_bound"] / slid[FRICTION], slid["friction_share_beyond_table"]
     return describe(with_ends(slid, [of_parts, *({FRICTION: symmetric(share.values)} for share in shares)]))

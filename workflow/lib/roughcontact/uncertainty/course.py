@@ -1,6 +1,7 @@
 """The ± of what runs over a distance or a speed: by parts of the window, finer pixels and the instrument."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -8,10 +9,18 @@ import xarray as xr
 
 from roughcontact.arguments.answers import ENDS, PEAK
 from roughcontact.arguments.maps import refined, spacing
+from roughcontact.arguments.ranges import ends, name_of_range
 from roughcontact.surface.window.periodic_window import subwindow
 from roughcontact.surface.window.transfer import undone
-from roughcontact.uncertainty.combination import Components, interval_bounds, sum_of_causes, symmetric
+from roughcontact.uncertainty.combination import (
+    Components,
+    half_widths,
+    interval_bounds,
+    sum_of_causes,
+    symmetric,
+)
 from roughcontact.uncertainty.ensemble import Result
+from roughcontact.uncertainty.inputs import AMPLIFICATIONS, INPUTS
 from roughcontact.uncertainty.instrument import instrument_components
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import to_scale
@@ -35,19 +44,46 @@ def change(name: str, other: xr.Dataset, course: xr.Dataset) -> np.ndarray:
         return to_scale(name, other[name].values) - to_scale(name, course[name].values)
 
 
+def runs_at_ends(
+    run: Callable[..., xr.Dataset], contact: Mapping[str, Any], instrument: Mapping[str, Any]
+) -> list[tuple[Run, Run]]:
+    """Return the courses at both ends of each input whose range is stated of the contact or the instrument.
+
+    `run` takes a window and, by their names (`uncertainty.inputs`), inputs over what is stated; those of the
+    scales of the map are in the window already.
+    """
+    stated = {key: contact.get(name_of_range(key)) or instrument.get(key) for key in INPUTS}
+
+    def at(window: xr.DataArray, *, key: str, factor: float) -> xr.Dataset:
+        if key not in AMPLIFICATIONS:
+            return run(window, **{key: factor})
+        heights, lengths = (factor if key == name else 1.0 for name in AMPLIFICATIONS)
+        scaled = {axis: lengths * window[axis] for axis in window.dims}
+        return run(window.copy(data=heights * window.values).assign_coords(scaled))
+
+    return [
+        (partial(at, key=key, factor=low), partial(at, key=key, factor=high))
+        for key, shares in stated.items()
+        for low, high in [ends(1.0, shares)]
+        if low < high
+    ]
+
+
 def components_of_parts(
     window: xr.DataArray,
     run: Run,
     names: Sequence[str],
     *,
-    instrument: Mapping[str, Any] | None = None,
+    instrument: Mapping[str, Any],
     as_measured: xr.DataArray | None = None,
+    ends_of_inputs: Iterable[tuple[Run, Run]] = (),
 ) -> Components:
     """Return the components of answers by the courses on the parts of a window.
 
     Student's factor of the scatter of the parts; and on the first part, which stands for all, twice what
-    pixels half as large change, and what noise, lens, tip and rounding of an instrument do, where it is given
-    (`instrument_components`). `as_measured` is the window before a correction for it.
+    pixels half as large change, what noise, lens, tip and rounding of an instrument do
+    (`instrument_components`), and both ends of each stated input (`runs_at_ends`). `as_measured` is the
+    window before a correction for the instrument.
     """
     cut = levelled_parts(window)
     courses, finer = [run(part) for part in cut], run(refined(cut[0], 2))
@@ -62,16 +98,24 @@ def components_of_parts(
             # the largest pressure is that of one part, and scatters as in one; all others are means
             averaged = 1 if name == PEAK else len(courses)
             causes.append({name: symmetric(factor * scatter / np.sqrt(averaged))})
-    if instrument is not None:
 
-        def solve(part: xr.DataArray, *_: Any, **__: Any) -> dict[str, np.ndarray]:
-            course = run(part)
-            return {name: course[name].values for name in names}
+    def solve(part: xr.DataArray, *_: Any, **__: Any) -> dict[str, np.ndarray]:
+        course = run(part)
+        return {name: course[name].values for name in names}
 
-        values = {name: courses[0][name].values for name in names}
-        result = Result(cut[0], {"mean_pressure": np.nan}, values, solve)
-        before = None if as_measured is None else levelled_parts(as_measured)[0]
-        causes += instrument_components(result, instrument, before, undone(cut[0], instrument))[0]
+    values = {name: courses[0][name].values for name in names}
+    result = Result(cut[0], {"mean_pressure": np.nan}, values, solve)
+    before = None if as_measured is None else levelled_parts(as_measured)[0]
+    causes += instrument_components(result, instrument, before, undone(cut[0], instrument))[0]
+    for runs in ends_of_inputs:
+        at_ends = [end(cut[0]) for end in runs]
+        changes = {name: np.array([change(name, course, courses[0]) for course in at_ends]) for name in names}
+        causes.append(
+            {
+                name: half_widths(np.maximum(-both.min(axis=0), 0.0), np.maximum(both.max(axis=0), 0.0))
+                for name, both in changes.items()
+            }
+        )
     return sum_of_causes(causes)
 
 

@@ -108,7 +108,7 @@ def _end(source: str, factor: float, result: Result, solution: xr.Dataset) -> tu
         change = np.log(variation[_LOAD] / load)
     elif source == _MODULUS:
         variation[_MODULUS] = factor * float(solution[_MODULUS])
-        variation["bodies"] = _stiffer(json_attribute(solution.attrs, "bodies") or None, factor)
+        variation["bodies"] = stiffer(json_attribute(solution.attrs, "bodies") or None, factor)
     elif source == _HEIGHTS:
         window = window.copy(data=factor * window.values)
     else:
@@ -142,12 +142,12 @@ def _end_of_hardness(factor: float, result: Result, solution: xr.Dataset) -> tup
     return change, ends_at_loads | {AREA: np.fmax(ends_at_loads[AREA], load / hardness)}
 
 
-def _stiffer(bodies: Any, factor: float) -> Any:
+def stiffer(bodies: Any, factor: float) -> Any:
     """Return bodies, their layers included, with Young's moduli `factor` times as large."""
     if isinstance(bodies, list):
-        return [_stiffer(body, factor) for body in bodies]
+        return [stiffer(body, factor) for body in bodies]
     if isinstance(bodies, dict):
-        return {k: factor * v if k == "youngs_modulus" else _stiffer(v, factor) for k, v in bodies.items()}
+        return {k: factor * v if k == "youngs_modulus" else stiffer(v, factor) for k, v in bodies.items()}
     return bodies
 
 

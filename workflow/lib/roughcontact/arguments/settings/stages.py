@@ -21,7 +21,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
 }
 _AFTER = {  # sections of files that follow the contact, which no other case shares
     "residual": ("level", "window", "contact", "statistics"),
-    "worn": ("level", "window", "contact", "statistics", "wear"),
+    "worn": ("level", "window", "contact", "statistics", "wear", "instrument"),
     "sliding": ("level", "window", "contact", "statistics", "sliding", "instrument"),
 }
 
