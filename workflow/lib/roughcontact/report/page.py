@@ -34,7 +34,7 @@ from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 
 # columns of the index of many surfaces: load and all answers but the last; and the variables that sort them
-_HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g", *glance.HEADINGS[: len(ANSWERS)])
+_HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g")  # of the index, before load and answers
 _SORTED_BY = ("mean_pressure", *(answer.quantity for answer in [*ANSWERS.values()][:-1]))
 
 Key = tuple[str, str | None]  # surface and case
@@ -122,7 +122,7 @@ def write_report(
         _write_pages(folder / "pages", rows, by_surface, failure_rows, equal_loads=equal, head=head)
     html = template("report.html").render(
         rows=rows,
-        headings=_HEADINGS,
+        headings=(*_HEADINGS, glance.load_heading(results), *glance.HEADINGS[1 : len(ANSWERS)]),
         download=None if has_index else _as_download(summary),
         linked=linked,
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in VERDICTS},
