@@ -76,7 +76,7 @@ def digests(workflow):
     ("edited", "concerned"),
     [
         ("lib/roughcontact/surface/window/periodisation.py", WINDOWS),
-        ("lib/roughcontact/surface/levelling/outliers.py", {*UNITS, "superpose", "report"}),
+        ("lib/roughcontact/surface/levelling/outliers.py", {*WINDOWS, "report"}),
         ("lib/roughcontact/io/units.py", UNITS),
         ("lib/roughcontact/kernels/c/passes.h", KERNELS),
         ("lib/roughcontact/io/readers/sdf.py", set()),  # of the files that it reads: `study.readers`
@@ -88,7 +88,7 @@ def digests(workflow):
         ("lib/roughcontact/arguments/settings/models.py", set()),
         ("lib/roughcontact/evaluation/pipeline.py", {"contact"}),
         ("lib/roughcontact/uncertainty/calibration.json", {"contact", "panel", "report", "slide", "wear"}),
-        ("scripts/_window.py", {"prepare", "superpose"}),
+        ("scripts/_window.py", {"prepare", "superpose", "slide", "wear"}),
     ],
 )
 def test_an_edit_concerns_what_imports_the_module(package, edited, concerned):
