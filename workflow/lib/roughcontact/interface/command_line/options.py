@@ -74,8 +74,8 @@ def keys_in_words(section: str) -> str:
 
     Examples
     --------
-    >>> keys_in_words("statistics.joint").split("; ")[-2][:16]
-    '[film_thickness='
+    >>> keys_in_words("statistics.joint").rpartition("; [")[2]
+    'film_conductivity= of that film; in W/(m K)]'
     """
     fields = fields_at(section.split("."))
     required = sorted(fields.items(), key=lambda entry: not entry[1].is_required())
