@@ -37,6 +37,7 @@ MODULES = "workflow/lib"
 FLAGS = [
     *("-std=c11", "-O3", "-shared", "-fPIC", "-fvisibility=hidden", "-pthread"),
     *("-fopenmp-simd", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=fast"),
+    *("-fno-unwind-tables", "-fno-asynchronous-unwind-tables"),  # nothing in C is thrown through it
     *(["-s"] if sys.platform != "darwin" else []),
 ]
 # by the tag of the wheel
