@@ -54,21 +54,17 @@ def draw(folder: Path) -> None:
     statistics, contact = (xr.load_dataset(folder / f"{name}.nc") for name in ("statistics", "contact"))
     rows = answers(statistics)
     touches = contact["pressure"].isel(load=load_shown(contact)) > 0
-    extent = [0, *(1e6 * contact[axis].values.max() for axis in "xy")]
-    extent.insert(2, 0)
+    width, length = (1e6 * contact[axis].values.max() for axis in "xy")
     with new_figure(11.0, 3.5, layout=None) as figure:
-        for left, title, values, colours in (
-            (0.05, "1   the measured map", contact["height"], "viridis"),
-            (
-                0.365,
-                f"2   where it touches at {PRESSURE / 1e6:.0f} MPa",
-                touches,
-                ListedColormap([APART, TOUCHES]),
-            ),
-        ):
+        of_map = (0.05, "1   the measured map", contact["height"], "viridis", "y (µm)")
+        title = f"2   where it touches at {PRESSURE / 1e6:.0f} MPa"
+        of_contact = (0.365, title, touches, ListedColormap([APART, TOUCHES]), "")
+        for left, title, values, colours, ylabel in (of_map, of_contact):
             axes = figure.add_axes((left, 0.12, 0.275, 0.76))
-            axes.imshow(values, origin="lower", extent=extent, cmap=colours, interpolation="nearest")
-            axes.set(xlabel="x (µm)", ylabel="y (µm)" if title.startswith("1") else None)
+            axes.imshow(
+                values, origin="lower", extent=(0, width, 0, length), cmap=colours, interpolation="nearest"
+            )
+            axes.set(xlabel="x (µm)", ylabel=ylabel)
             axes.set_title(title, loc="left", fontweight="bold", fontsize=12)
             axes.grid(visible=False)
         figure.text(0.70, 0.845, "3   the answer, with its interval", fontweight="bold", fontsize=12)
