@@ -23,6 +23,11 @@ def pytest_collection_modifyitems(items):
             item.add_marker(absent)
 
 
+def pytest_make_parametrize_id(val, argname):
+    # bytes of a file hold the second in which it was made, and workers side by side must name a test alike
+    return argname if isinstance(val, bytes) else None
+
+
 @pytest.fixture
 def read(tmp_path):
     """A function that reads the content of a file."""
