@@ -30,8 +30,8 @@ def relaxation_table(bodies: Sequence[Mapping[str, Any]] | None) -> str:
     >>> relaxation_table([{"relaxation": {"table": "dma.csv", "wlf": [8.86, 101.6]}}]), relaxation_table(None)
     ('dma.csv', '')
     """
-    stated = relaxing_body(bodies).get("relaxation", "")
-    table = stated.get("table", "") if isinstance(stated, Mapping) else stated
+    relaxation = relaxing_body(bodies).get("relaxation", "")
+    table = relaxation.get("table", "") if isinstance(relaxation, Mapping) else relaxation
     return "" if compound(table) else table
 
 

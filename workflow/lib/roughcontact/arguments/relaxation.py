@@ -103,17 +103,17 @@ def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> R
     [ 4. 40.]
     """
     ratio = check_poissons_ratio("poissons_ratio", poissons_ratio)
-    stated = dict(relaxation) if isinstance(relaxation, Mapping) else {"table": relaxation}
-    if unknown := {*stated} - _KEYS:
+    properties = dict(relaxation) if isinstance(relaxation, Mapping) else {"table": relaxation}
+    if unknown := {*properties} - _KEYS:
         raise SettingsError(
             f"relaxation.{min(unknown)}: unknown; give long_time_modulus, moduli and times of a Prony "
             "series, or the table of a DMA; for another temperature wlf, reference_temperature, temperature",
             keys=["relaxation"],
         )
-    named = compound(stated.get("table"))
-    is_table = "table" in stated and not named
-    series = _fitted(stated["table"], ratio) if is_table else _series(named or stated, ratio)
-    factor = _shift(named | stated if "temperature" in stated else stated)
+    named = compound(properties.get("table"))
+    is_table = "table" in properties and not named
+    series = _fitted(properties["table"], ratio) if is_table else _series(named or properties, ratio)
+    factor = _shift(named | properties if "temperature" in properties else properties)
     low, high = series.frequencies
     return replace(series, times=series.times * factor, frequencies=(low / factor, high / factor))
 
@@ -215,16 +215,16 @@ def _fitted(table: str | Path | pd.DataFrame, ratio: float) -> Relaxation:
     return Relaxation(moduli[0], moduli[1:][used], times[used], ratio, misfit, (low, high))
 
 
-def _series(stated: Mapping[str, Any], ratio: float) -> Relaxation:
+def _series(properties: Mapping[str, Any], ratio: float) -> Relaxation:
     """Return a Prony series that is stated, or of the table of compounds, with the range of its data."""
     for key in ("long_time_modulus", "moduli", "times"):
-        if stated.get(key) is None:
+        if properties.get(key) is None:
             raise SettingsError(f"relaxation.{key}: missing from the Prony series", keys=["relaxation"])
     plateau, moduli, times = (
         np.array(
             [
                 check_positive(name, convert_quantity(unit, name, number), unit=unit)
-                for number in np.ravel(stated[key])
+                for number in np.ravel(properties[key])
             ]
         )
         for key, unit in (("long_time_modulus", "Pa"), ("moduli", "Pa"), ("times", "s"))
@@ -235,30 +235,30 @@ def _series(stated: Mapping[str, Any], ratio: float) -> Relaxation:
             f"relaxation: {moduli.size} moduli and {times.size} times; give a time for each modulus",
             keys=["relaxation"],
         )
-    low, high = stated.get("frequencies", (0.0, np.inf))
-    return Relaxation(float(plateau[0]), moduli, times, ratio, stated.get("misfit", 0.0), (low, high))
+    low, high = properties.get("frequencies", (0.0, np.inf))
+    return Relaxation(float(plateau[0]), moduli, times, ratio, properties.get("misfit", 0.0), (low, high))
 
 
-def _shift(stated: Mapping[str, Any]) -> float:
+def _shift(properties: Mapping[str, Any]) -> float:
     """Return the factor of all times by the temperature, log10 a = -C1 (T - T0)/(C2 + T - T0).
 
     Williams, Landel and Ferry (1955), J. Am. Chem. Soc. 77, 3701.
     """
     keys = ("wlf", "reference_temperature", "temperature")
-    given_keys = [key for key in keys if stated.get(key) is not None]
+    given_keys = [key for key in keys if properties.get(key) is not None]
     if not given_keys:
         return 1.0
-    if len(given_keys) < len(keys) or np.shape(stated["wlf"]) != (2,):
+    if len(given_keys) < len(keys) or np.shape(properties["wlf"]) != (2,):
         raise SettingsError(
             "relaxation: another temperature needs wlf = [C1, C2 (K)], reference_temperature and "
             f"temperature, {_SCALES}; given: {', '.join(given_keys)}",
             keys=["relaxation"],
         )
     try:
-        first, second = map(float, stated["wlf"])
-        difference = celsius(stated["temperature"]) - celsius(stated["reference_temperature"])
+        first, second = map(float, properties["wlf"])
+        difference = celsius(properties["temperature"]) - celsius(properties["reference_temperature"])
     except (TypeError, ValueError) as error:
-        text = ", ".join(f"{key} = {stated[key]!r}" for key in keys)
+        text = ", ".join(f"{key} = {properties[key]!r}" for key in keys)
         raise SettingsError(f"relaxation: {text}: {error}", keys=["relaxation"]) from None
     # a scale that is not that of the reference is 273 off
     if difference > _MAX_WARMING:

@@ -179,17 +179,17 @@ def solve_contact(
     material = elasticity(contact_modulus, bodies, influence, hardness)
     check_choice("boundary", boundary, Boundary)
     kind = facts_of({"boundary": boundary})
-    stated = {"mean_pressure": mean_pressure, "force": force}
+    given_loads = {"mean_pressure": mean_pressure, "force": force}
     unusual = {
         # the load of this kind is needed, others do not apply
-        **{name: (load is None) == (name == kind.load) for name, load in stated.items()},
+        **{name: (load is None) == (name == kind.load) for name, load in given_loads.items()},
         "influence": influence != "sampled",
         "zero_frequency": zero_frequency != "zero",
         "precision": precision != "double",
         "arrays": arrays is not None,
     }
     kind.check_arguments([name for name in unusual if unusual[name]], material.medium.properties)
-    load = stated[kind.load]
+    load = given_loads[kind.load]
     loads = check_loads(kind.load, [] if load is None else load, unit=kind.load_unit)
     tolerance = check_positive("tolerance", tolerance, unit="relative terms")
     if not MIN_TOLERANCE <= tolerance < 1:

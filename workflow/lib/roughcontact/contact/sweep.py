@@ -86,7 +86,7 @@ def sweep(
             for grid in grids:
                 grid.release()
         solutions = [Solution(state, bound, steps, work + _applications(grids), floor)]
-        del state  # so that its memory is free for the use of the solution and for the next load
+        del state  # so that its memory is left for the use of the solution and for the next load
         yield solutions.pop()
 
 

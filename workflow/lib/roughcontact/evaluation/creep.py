@@ -77,17 +77,17 @@ def moduli_after(contact: Mapping[str, Any]) -> dict[float, float]:
     [9.266, 1.333]
     """
     bodies = contact.get("bodies") or []
-    stated = [
+    creep_moduli = [
         {float(time): modulus for time, modulus in (body.get("creep_modulus") or {}).items()}
         for body in bodies
     ]
-    times = sorted({*(contact.get("time") or ())}.union(*stated))
+    times = sorted({*(contact.get("time") or ())}.union(*creep_moduli))
     relaxing = [body.get("relaxation") and relaxation_of(body["relaxation"]) for body in bodies]
 
     def crept(index: int, time: float) -> float:
         """Return Young's modulus of a body after a time."""
-        if stated[index]:
-            return stated[index][time]
+        if creep_moduli[index]:
+            return creep_moduli[index][time]
         series = relaxing[index]
         return series.creep_modulus(time) if series else bodies[index]["youngs_modulus"]
 

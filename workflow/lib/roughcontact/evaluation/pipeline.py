@@ -104,10 +104,10 @@ def run_chain(
 
 
 def with_positions(
-    overviews: Sequence[str | Path | xr.DataArray], stated: str
+    overviews: Sequence[str | Path | xr.DataArray], text: str
 ) -> list[tuple[xr.DataArray, str]]:
     """Return overviews, read where they are files, each with the position that is stated for it."""
-    positions = separate_positions(stated, len(overviews))
+    positions = separate_positions(text, len(overviews))
     maps = [field if isinstance(field, xr.DataArray) else read_height_map(field) for field in overviews]
     return [*zip(maps, positions, strict=True)]
 

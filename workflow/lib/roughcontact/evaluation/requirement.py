@@ -69,8 +69,8 @@ def with_largest_roughness(
             return float(np.log(compared_ends(evaluated(exponent, load), name)[0, 0]))
 
     columns: dict[str, Any] = {}
-    for name, stated in (settings.get("requirement") or {}).items():
-        if stated is None or f"{name}_holds" not in statistics:
+    for name, largest in (settings.get("requirement") or {}).items():
+        if largest is None or f"{name}_holds" not in statistics:
             continue
         limit = float(statistics[f"allowed_{name}"]) ** ALLOWED_VALUES[name].sense
         factors = [

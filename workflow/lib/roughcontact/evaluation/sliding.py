@@ -51,8 +51,8 @@ def slid_in_a_run(
         threads=threads,
     )
     conductivities = [body.get("thermal_conductivity") for body in (face, rubber)]
-    friction, stated = statistics["friction"] or {}, statistics["seal"]
-    seal = stated and {key: stated[key] for key in _OF_A_SEAL if stated.get(key) is not None}
+    friction, seal = statistics["friction"] or {}, statistics["seal"]
+    seal = seal and {key: seal[key] for key in _OF_A_SEAL if seal.get(key) is not None}
     slid = run(
         window,
         shear_strength=friction.get("shear_strength"),

@@ -373,9 +373,9 @@ def _mistakes_in_row(row: Mapping[str, str], earlier: Mapping[str, Surface]) -> 
     ):  # names that differ in capitals are one folder on macOS and Windows
         how = "" if namesake.name == name else f" but for capitals, as {namesake.name}"
         yield "surface", f"surface = {name}: occurs twice{how} (also {namesake.origin}); rename one"
-    for (key, other), sentence in _EXCLUSIVE.items():
-        if row.get(key) and row.get(other):
-            yield key, f"{key} = {row[key]}: {sentence.format(name=name, cell=row[other])}"
+    for (key, conflicting), sentence in _EXCLUSIVE.items():
+        if row.get(key) and row.get(conflicting):
+            yield key, f"{key} = {row[key]}: {sentence.format(name=name, cell=row[conflicting])}"
     checks: dict[str, Callable[[str], object]] = {key: partial(parse_rectangles, key) for key in REGION}
     checks[PAIR_FIRST_ROW] = partial(check_choice, PAIR_FIRST_ROW, choices=FirstRow)
     for key, check_cell in checks.items():
@@ -662,14 +662,14 @@ def _attach_places(rows: Mapping[str, Surface], as_read: Mapping[str, Surface]) 
         places[name] = places[earlier[name]] if earlier[name] else []
         places[name].append(name)
     for name, maps in places.items():
-        if not any(as_read[other].before for other in maps):
+        if not any(as_read[member].before for member in maps):
             continue
         of_place = []
-        for other in maps:
-            row = as_read[other]
+        for member in maps:
+            row = as_read[member]
             cells = _cells_of_map(row)
-            cells |= {"earlier": earlier[other]} if earlier[other] else {}
-            of_place.append({"name": other, "path": str(row.path), **cells})
+            cells |= {"earlier": earlier[member]} if earlier[member] else {}
+            of_place.append({"name": member, "path": str(row.path), **cells})
         result[name] = replace(result[name], read_arguments={**rows[name].read_arguments, "place": of_place})
     return result
 

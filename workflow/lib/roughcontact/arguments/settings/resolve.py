@@ -4,7 +4,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
-from itertools import chain, pairwise, starmap
+from itertools import chain, starmap
 from typing import Any
 
 from pydantic import ValidationError
@@ -197,9 +197,10 @@ def _mistakes_in_statistics(settings: Mapping[str, Any]) -> Iterator[SettingsErr
             "its name is {material: steel, hardness: null}",
         )
     for name in (key.partition(".")[2] for key in given_keys if key.startswith("requirement.")):
-        if stated := [key for key in given_keys if key.rpartition(".")[2] == f"allowed_{name}"]:
+        if allowed_keys := [key for key in given_keys if key.rpartition(".")[2] == f"allowed_{name}"]:
             yield _mistake(
-                f"statistics.{stated[0]}", f": is the same limit as requirement.{name}; state one of them"
+                f"statistics.{allowed_keys[0]}",
+                f": is the same limit as requirement.{name}; state one of them",
             )
 
 
@@ -221,12 +222,12 @@ def _mistakes_in_creep(contact: Mapping[str, Any], where: str) -> Iterator[Setti
 
 def _mistakes_in_wear(wear: Mapping[str, Any], contact: Mapping[str, Any]) -> Iterator[SettingsError]:
     """Yield what is wrong with the wear of the face."""
-    stated = {key for key in ("coefficient", "distance", "mean_pressure") if wear[key] is not None}
-    if stated and not {"coefficient", "distance"} <= stated:
-        missing = ({"coefficient", "distance"} - stated).pop()
+    wear_keys = {key for key in ("coefficient", "distance", "mean_pressure") if wear[key] is not None}
+    if wear_keys and not {"coefficient", "distance"} <= wear_keys:
+        missing = ({"coefficient", "distance"} - wear_keys).pop()
         yield _mistake(f"wear.{missing}", ": missing; wear needs the coefficient and the distance")
     distances = wear["distance"] or ()
-    if any(after <= before for before, after in pairwise(distances)):
+    if [*distances] != sorted({*distances}):
         yield _mistake("wear.distance", ": give each distance once, in rising order")
     load, hardness = wear["mean_pressure"], contact["hardness"]
     if load and hardness and load >= hardness:
@@ -248,7 +249,7 @@ def _mistakes_in_sliding(sliding: Mapping[str, Any], contact: Mapping[str, Any])
     elif speeds and contact_modulus(bodies) < (1 - _RIGID) * contact_modulus(relaxing):
         text = ": the face is taken to be rigid, and gives way by more than a percent of what the rubber does"
         yield _mistake("sliding.speed", text)
-    if any(after <= before for before, after in pairwise(speeds)):
+    if [*speeds] != sorted({*speeds}):
         yield _mistake("sliding.speed", ": give each speed once, in rising order")
 
 

@@ -42,8 +42,8 @@ def points_on_grid(
     _refuse_cut_list(row, column)
     heights = np.full((ny, nx), np.nan)
     heights[row, column] = z
-    along_axes = ("x", along_x), ("y", along_y)
-    steps = {axis: even_step(along, axis) if along.size > 1 else None for axis, along in along_axes}
+    positions = {"x": along_x, "y": along_y}
+    steps = {axis: even_step(along, axis) if along.size > 1 else None for axis, along in positions.items()}
     return heights, steps, (float(along_x[0]), float(along_y[0]))
 
 

@@ -211,10 +211,10 @@ def _instrument_of_sum(instruments: Sequence[Instrument]) -> Instrument:
     """Return what is stated of the instruments of two faces for their sum, which shows what both show."""
 
     def stated(name: str) -> list[float]:
-        return [value for each in instruments if (value := getattr(each, name)) is not None]
+        return [value for instrument in instruments if (value := getattr(instrument, name)) is not None]
 
     largest = ("resolution", "tip_radius", "amplification_z", "amplification_xy", "lateral_period_limit")
-    lenses = [each for each in instruments if each.numerical_aperture]
+    lenses = [instrument for instrument in instruments if instrument.numerical_aperture]
     coarsest = max(lenses, key=_period_limit, default=Instrument())
     return Instrument(
         # independent noises add in squares

@@ -52,14 +52,14 @@ def cosine_and_sine(rotation: float) -> tuple[float, float]:
     return (0.0, np.sign(sine)) if cosine == 0 else (cosine, sine)
 
 
-def along_axes(pair: Sequence, turn: tuple[float, float]) -> tuple | None:
+def axis_order(pair: Sequence, turn: tuple[float, float]) -> tuple | None:
     """Return sides, steps or points (y, x) of the counter-face in the order of the axes of the face.
 
     `turn` is (cosine, sine) of its rotation; None at an oblique angle.
 
     Examples
     --------
-    >>> along_axes((3, 1), (0.0, 1.0)), along_axes((3, 1), (0.6, 0.8))
+    >>> axis_order((3, 1), (0.0, 1.0)), axis_order((3, 1), (0.6, 0.8))
     ((1, 3), None)
     """
     if turn[1] == 0:
@@ -73,7 +73,7 @@ def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
     `turn` is (cosine, sine) of the rotation of the upper one.
     """
     # turned by other angles a square period does not repeat along the axes
-    lengths = along_axes(upper.lengths, turn)
+    lengths = axis_order(upper.lengths, turn)
     return bool(
         lower.periodic
         and upper.periodic
@@ -92,7 +92,7 @@ def common_grid(
     """
     name = pair_name(lower, upper)
     # at other angles points never meet: the finer of both steps decides
-    steps = along_axes(upper.step, turn) or (min(upper.step),) * 2
+    steps = axis_order(upper.step, turn) or (min(upper.step),) * 2
     half_y, half_x = ((n - 1) * d / 2 for n, d in zip(upper.shape, upper.step, strict=True))
     cosine, sine = (abs(v) for v in turn)
     # half sides of the rectangle around the turned face

@@ -27,7 +27,7 @@ MIN_FIELDS = 2.0  # sides of the overview over those of the fine map: four place
 MIN_POINTS = 16  # of the overview along each side of the fine map
 _PREFIX = "place_"  # of the attributes of a placed overview
 _MAX_ANGLE = 3.0  # degree, within which parts lie on stages alike
-_MAX_STRETCH = 0.04  # of the lateral scales of two instruments
+_MAX_SCALING = 0.04  # of the lateral scales of two instruments
 _SEARCHED_POINTS = 48  # along the shorter side of the fine map where all angles and scales are tried
 _SEARCHED_SHIFT = 0.8  # pixels by which its edges move from one angle or scale to the next
 _SHOWN_ANGLE, _SHOWN_STRETCH = 0.1, 0.005  # in words
@@ -208,12 +208,12 @@ def best_place(fine: xr.DataArray, overview: xr.DataArray) -> Place:
     coarsening = max(1, int(points.min() // _SEARCHED_POINTS))
     small = overview.coarsen(y=coarsening, x=coarsening, boundary="trim").mean()
     search = _Search(fine, small, order)
-    angle, stretch = search.strides
+    angle, scale = search.strides
     angles = np.arange(-(_MAX_ANGLE // angle), _MAX_ANGLE // angle + 1) * angle
-    stretches = np.arange(-(_MAX_STRETCH // stretch), _MAX_STRETCH // stretch + 1) * stretch
-    best = max(product(angles, 1 + stretches), key=search.height)
+    scales = np.arange(-(_MAX_SCALING // scale), _MAX_SCALING // scale + 1) * scale
+    best = max(product(angles, 1 + scales), key=search.height)
     search = _Search(fine, overview, order)
-    step = 0.5 * np.array([angle, stretch])
+    step = 0.5 * np.array([angle, scale])
     # halved where no neighbour fits better
     while step[0] >= search.strides[0] * _LEAST_SHIFT / _SEARCHED_SHIFT:
         nearest = max([best, *_neighbours(best, step)], key=search.height)
@@ -321,9 +321,9 @@ def _check_place(place: Place, fine: xr.DataArray, overview: xr.DataArray) -> No
 
 def _neighbours(middle: tuple[float, float], step: np.ndarray) -> Iterator[tuple[float, float]]:
     """Yield the next angles and scales within the limits of the search."""
-    for angle, stretch in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        further = middle[0] + angle * step[0], middle[1] + stretch * step[1]
-        if abs(further[0]) <= _MAX_ANGLE and abs(further[1] - 1) <= _MAX_STRETCH:
+    for angle, scale in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        further = middle[0] + angle * step[0], middle[1] + scale * step[1]
+        if abs(further[0]) <= _MAX_ANGLE and abs(further[1] - 1) <= _MAX_SCALING:
             yield further
 
 

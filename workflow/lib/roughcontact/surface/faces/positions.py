@@ -8,7 +8,7 @@ import xarray as xr
 from roughcontact.arguments.si import as_si
 from roughcontact.errors import SettingsError
 from roughcontact.surface.faces.face import Face
-from roughcontact.surface.faces.overlap import STEP_TOLERANCE, along_axes, check_pair, cosine_and_sine
+from roughcontact.surface.faces.overlap import STEP_TOLERANCE, axis_order, check_pair, cosine_and_sine
 
 
 @as_si
@@ -106,7 +106,7 @@ def _aligned_shift(
     lower: Face, upper: Face, turn: tuple[float, float], shift: np.ndarray
 ) -> tuple[float, ...]:
     """Return the nearest shift for which the points of both maps coincide, or `shift` if there is none."""
-    steps, points = along_axes(upper.step, turn), along_axes(upper.shape, turn)
+    steps, points = axis_order(upper.step, turn), axis_order(upper.shape, turn)
     if steps is None or points is None or not np.allclose(steps, lower.step, rtol=STEP_TOLERANCE, atol=0):
         return tuple(map(float, shift))
     # of unlike numbers of points the middles lie half a pixel apart

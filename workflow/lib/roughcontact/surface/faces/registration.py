@@ -82,17 +82,19 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
     [(116, 118), (116, 118)]
     """
     height = maps[name]
-    if min(dimensions(each.shape) for each in maps.values()) < 2:
+    if min(dimensions(field.shape) for field in maps.values()) < 2:
         return height
-    registrations = {each: registered(maps[each], maps[before]) for each, before in earlier.items()}
+    registrations = {member: registered(maps[member], maps[before]) for member, before in earlier.items()}
     shifts: dict[str, np.ndarray] = {}
-    for each in maps:
+    for member in maps:
         # positions in the map that came first, step by step along the order of time
-        shifts[each] = shifts[earlier[each]] + registrations[each].shift if each in earlier else np.zeros(2)
+        shifts[member] = (
+            shifts[earlier[member]] + registrations[member].shift if member in earlier else np.zeros(2)
+        )
     cuts = {}
     for row, axis in enumerate("yx"):
         first, last = (
-            [float(each[axis][edge]) + shifts[key][row] for key, each in maps.items()] for edge in (0, -1)
+            [float(field[axis][edge]) + shifts[key][row] for key, field in maps.items()] for edge in (0, -1)
         )
         step = spacing(height)[row]
         points = min(height.sizes[axis], round((min(last) - max(first)) / step) + 1)
@@ -108,7 +110,7 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
         words = registrations[name].place.fit_in_words(with_scale=False)
         sentences.append(f"the place of {earlier[name]}, {moved}, {words}")
     if part.shape != height.shape:
-        sizes = (" × ".join(map(str, each.shape[::-1])) for each in (part, height))
+        sizes = (" × ".join(map(str, cut.shape[::-1])) for cut in (part, height))
         sentences.append("cropped to {} of {} points, which all maps of the place show".format(*sizes))
     for text in sentences:
         part = part.assign_attrs(add_remark(part.attrs, text, fact=True))
