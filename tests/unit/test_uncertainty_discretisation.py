@@ -108,12 +108,12 @@ def test_the_part_of_a_large_window_surrounds_the_peak():
     window = synthetic.self_affine_surface(
         (256, 300), 1.0, hurst=0.8, shortest=8.0, longest=64.0, rms_gradient=0.5, seed=1
     )
-    part = discretisation._region_around(window, 5 * 300 + 299)  # across both seams of the period
+    part, _ = discretisation.periodic_interpolant(window, 5 * 300 + 299)  # across both seams of the period
     assert part.shape == (128, 150)
     around = np.roll(window.values, (64 - 5, 75 - 299), (0, 1))[:128, :150]
     inside = (slice(20, -20), slice(20, -20))  # the seams are blended
     assert np.corrcoef(part.values[inside].ravel(), around[inside].ravel())[0, 1] > 0.9
-    assert discretisation._region_around(window[:128, :128], 0).shape == (128, 128)
+    assert discretisation.periodic_interpolant(window[:128, :128], 0)[0].shape == (128, 128)
 
 
 def test_the_edge_of_the_contact_lies_by_chance_in_its_pixels():

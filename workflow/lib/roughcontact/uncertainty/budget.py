@@ -26,7 +26,7 @@ from roughcontact.uncertainty.instrument import add_correction_source, instrumen
 from roughcontact.uncertainty.intervals import Octave, add_pressure, area_for_the_load, interval_columns
 from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.sample import constrictions_in_grooves, sample_attributes
-from roughcontact.uncertainty.scales import AREA, PEAK, PRESSURE, to_scale
+from roughcontact.uncertainty.scales import AREA, PRESSURE, to_scale
 from roughcontact.uncertainty.solver import solver_components
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, magnification_curve, next_octave
@@ -137,7 +137,9 @@ def error_budget(
         return xr.Dataset(columns, {"mean_pressure": ("load", load)})
     solved = solve_contact(window, **contact, reduce=budget_inputs) if solved is None else solved
     as_solved = {name: solved[name].values for name in headline_names(solved)}
-    result = Result(window, lenient, {name: as_solved[name] for name in as_solved if name != PRESSURE})
+    result = Result(
+        window, lenient, {name: as_solved[name] for name in as_solved if name != PRESSURE}, solved=solved
+    )
     middle = {name: to_scale(name, value) for name, value in result.values.items()}
     components: dict[UncertaintySource, Components] = {}
     scatter: Scatter | None = None
@@ -149,7 +151,7 @@ def error_budget(
         correction, components["discretisation"] = discretisation_error(
             result,
             pixel_share=load / as_solved[PRESSURE],
-            peak_index=_index_of_the_peak(solved, result.hardness),
+            peak_index=result.peak_index(),
             refine=refine,
         )
         middle = {name: centre + correction[name] for name, centre in middle.items()}
@@ -221,11 +223,3 @@ def _columns_of_members(result: Result, scatter: Scatter) -> dict[str, tuple]:
     for name, numbers in members.items():
         at_loads[name][:, result.few] = numbers
     return {f"{name}_parts": (("member", "load"), numbers) for name, numbers in at_loads.items()}
-
-
-def _index_of_the_peak(solution: xr.Dataset, hardness: float) -> int:
-    """Return the point of the highest pressure, row by row, under the heaviest load without plastic flow."""
-    load = solution["mean_pressure"].values
-    # points that flow share the hardness: where they do under all loads, the lightest has the fewest
-    heaviest = np.where(solution[PEAK].values < hardness, load, -load).argmax()
-    return int(solution["index_of_the_peak"].values[heaviest])

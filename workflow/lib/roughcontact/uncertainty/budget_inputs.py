@@ -15,7 +15,8 @@ def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> 
     """Return what the error budget takes from a solution with its fields, along `load`.
 
     Headline quantities and answers, `{name}_uncertainty` of the solver, `index_of_the_peak` (row by row),
-    `loading_stiffness`, and `{name}_half_way`, the constrictions (m) of gap paths half as long as the map.
+    `loading_stiffness`, `{name}_half_way`, the constrictions (m) of gap paths half as long as the map, and
+    the texture aspect ratio `Str` of the map.
     """
     if statistics is None:
         statistics = contact_statistics(contact, flow="never", stress="never")
@@ -29,4 +30,5 @@ def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> 
     levels = [half_way_levels(np.where(pressure > 0, 0.0, gap)) for pressure, gap in iterate_fields(contact)]
     plain |= {f"{name}_half_way": np.array([level[name] for level in levels]) for name in CONSTRICTIONS}
     inputs = contact[["contact_modulus", "mean_pressure"]]
-    return inputs.assign({name: ("load", values) for name, values in plain.items()})
+    inputs = inputs.assign({name: ("load", values) for name, values in plain.items()})
+    return inputs.assign(Str=((), float(statistics["Str"])))

@@ -25,25 +25,29 @@ from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_s
 CORRECTED = (AREA, GAP, PEAK)  # the pressure in contact follows from the area
 Refinement = Callable[[xr.DataArray, int], tuple[xr.DataArray, xr.DataArray]]
 _NOISE_PER_SWITCH = 0.5  # pixels, random
-_REFINED_POINTS = 128**2  # larger windows are refined on a quarter of their points
+_REFINED_POINTS = 128**2  # larger windows are refined on a quarter of their points, ...
+LARGEST_PART = 1024**2  # ... at most so many
 
 
 def periodic_interpolant(window: xr.DataArray, peak_index: int) -> tuple[xr.DataArray, xr.DataArray]:
     """Return a part of a periodic window around a point, and its Fourier series on pixels half as large."""
-    region = _region_around(window, peak_index)
-    return region, refined(region, 2)
+    points = max(_REFINED_POINTS, min(window.size / 4, LARGEST_PART))
+    part = part_around(window, peak_index, points)
+    return part, refined(part, 2)
 
 
-def _region_around(window: xr.DataArray, index: int) -> xr.DataArray:
-    """Return a periodic quarter of a window around a point, or the window itself if it is small."""
-    if window.size <= _REFINED_POINTS:
+def part_around(window: xr.DataArray, index: int, points: float) -> xr.DataArray:
+    """Return a periodic part of about so many points around one, row by row; a window no larger itself."""
+    if window.size <= points:
         return window
     axes = sum(n > 1 for n in window.shape)
-    share = max(0.25, _REFINED_POINTS / window.size) ** (1 / axes)
+    share = (points / window.size) ** (1 / axes)
     sides = [n if n == 1 else 2 * math.ceil(n * share / 2) for n in window.shape]
-    heights = window.values
-    for axis, (centre, side) in enumerate(zip(np.unravel_index(index, window.shape), sides, strict=True)):
-        heights = heights.take(centre - side // 2 + np.arange(side), axis=axis, mode="wrap")
+    rows, columns = (
+        (centre - side // 2 + np.arange(side)) % n
+        for centre, side, n in zip(np.unravel_index(index, window.shape), sides, window.shape, strict=True)
+    )
+    heights = window[rows].values[:, columns]
     return window[: sides[0], : sides[1]].copy(data=periodic_plus_smooth(heights, spacing(window)))
 
 
@@ -56,20 +60,12 @@ def discretisation_error(
     is the share of pixels in contact, `peak_index` the point of the highest pressure, row by row; `refine`
     returns a part of the window around it, and the same on pixels half as large.
     """
-    values, few_loads = result.values, result.few
     region, finer = refine(result.window, peak_index)
-    coarse, fine = result.solve_at_samples(region), result.solve_at_samples(finer)
+    changes = result.changes_of_part(result.solve_at_samples(region), result.solve_at_samples(finer))
     corrections, components = {}, {}
-    for name, value in values.items():
-        change = to_scale(name, fine[name]) - to_scale(name, coarse[name])
-        unit = np.ones_like(value)
-        if name in CONSTRICTIONS:  # a length, as the gap beside it
-            unit = values[GAP]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                change = change * unit[few_loads] / coarse[GAP]
-        # full contact: nothing is open, nothing changes
-        change = result.extend_to_loads(np.where(np.isfinite(change), change, 0.0))
-        corrections[name], width = extrapolated(name, change)
+    for name, value in result.values.items():
+        unit = result.values[GAP] if name in CONSTRICTIONS else np.ones_like(value)
+        corrections[name], width = extrapolated(name, changes[name])
         width = np.hypot(width, unit * calibration.discretisation_floor(name))
         if name == AREA:
             width = np.hypot(width, _edge_noise(value, pixel_share, region.size))

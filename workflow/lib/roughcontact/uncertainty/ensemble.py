@@ -13,7 +13,15 @@ from roughcontact.contact.fields import solved_fields
 from roughcontact.contact.solve import elasticity
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.uncertainty.headline import headline_values
-from roughcontact.uncertainty.scales import AREA, extend_to_loads, from_scale, to_scale
+from roughcontact.uncertainty.scales import (
+    AREA,
+    CONSTRICTIONS,
+    GAP,
+    PEAK,
+    extend_to_loads,
+    from_scale,
+    to_scale,
+)
 
 Values = Mapping[str, np.ndarray]  # quantity -> array (load)
 LOADS = 3  # at which a member is solved: both ends and the middle
@@ -77,6 +85,7 @@ class Result(NamedTuple):
     contact: Mapping[str, Any]  # arguments of `solve_contact`
     values: Values  # without the pressure in contact, which follows from the area
     solve: Callable[..., dict[str, np.ndarray]] = solve_member
+    solved: xr.Dataset | None = None  # `budget_inputs` of the window
 
     @property
     def load(self) -> np.ndarray:
@@ -97,6 +106,18 @@ class Result(NamedTuple):
         """The largest pressure (Pa) that a point bears."""
         return self.contact.get("hardness") or math.inf
 
+    def peak_index(self) -> int:
+        """Return the point of the highest pressure, row by row, under the heaviest load without plastic flow.
+
+        Of a window that is not solved it is the first one.
+        """
+        if self.solved is None:
+            return 0
+        # points that flow share the hardness: where they do under all loads, the lightest has the fewest
+        flows = self.solved[PEAK].values >= self.hardness
+        heaviest = np.where(flows, -self.load, self.load).argmax()
+        return int(self.solved["index_of_the_peak"].values[heaviest])
+
     def extend_to_loads(self, numbers: np.ndarray) -> np.ndarray:
         """Return numbers (load) from those at the few loads."""
         return extend_to_loads(numbers, self.few, self.load)
@@ -105,17 +126,23 @@ class Result(NamedTuple):
         """Return the results of another window at the few loads."""
         return self.solve(window, self.contact, names=self.values, loads=self.few)
 
-    def again(self, window: xr.DataArray) -> dict[str, np.ndarray]:
-        """Return the results of a changed window (load), their change interpolated on its scale."""
+    def again(self, window: xr.DataArray, of_part: Values | None = None) -> dict[str, np.ndarray]:
+        """Return the results of a changed window (load), their change interpolated on its scale.
+
+        It may be a changed part of the window, which before its change has the results `of_part` (few loads).
+        """
         values = self.solve_at_samples(window)
-        if self.few.size == self.load.size:
+        if of_part is None and self.few.size == self.load.size:
             return values
-        results = {}
-        for name, value in self.values.items():
-            middle = to_scale(name, value)
-            change = to_scale(name, values[name]) - middle[self.few]
-            results[name] = from_scale(name, middle + self.extend_to_loads(change))
-        return results
+        scaled = {name: to_scale(name, value) for name, value in self.values.items()}
+        if of_part is None:
+            changes = {
+                name: self.extend_to_loads(to_scale(name, values[name]) - middle[self.few])
+                for name, middle in scaled.items()
+            }
+        else:
+            changes = self.changes_of_part(of_part, values)
+        return {name: from_scale(name, middle + changes[name]) for name, middle in scaled.items()}
 
     def changes(self, results: Values) -> dict[str, np.ndarray]:
         """Return other results less these, on the scales: -inf for a gap that closes, 0 where unknown."""
@@ -124,6 +151,18 @@ class Result(NamedTuple):
             reference, values = to_scale(name, value), to_scale(name, results[name])
             closes = np.isfinite(reference) & np.isnan(values) & (results[name] == 0)
             changes[name] = np.where(closes, -np.inf, np.nan_to_num(values - reference))
+        return changes
+
+    def changes_of_part(self, before: Values, after: Values) -> dict[str, np.ndarray]:
+        """Return the changes (load) on the scales by those of a part of the window (few loads)."""
+        changes = {}
+        for name in before:
+            change = to_scale(name, after[name]) - to_scale(name, before[name])
+            if name in CONSTRICTIONS:  # a length, as the gap beside it
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    change = change * self.values[GAP][self.few] / before[GAP]
+            # full contact: nothing is open, nothing changes
+            changes[name] = self.extend_to_loads(np.where(np.isfinite(change), change, 0.0))
         return changes
 
     def members(self, windows: Iterable[xr.DataArray]) -> dict[str, np.ndarray]:

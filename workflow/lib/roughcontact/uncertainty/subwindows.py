@@ -28,6 +28,7 @@ from roughcontact.uncertainty.scales import AREA, PEAK, to_scale
 
 _MIN_POINTS_PER_SIDE = 12  # of a subwindow
 _CUTS = (2, 3, 4, 6)  # of the sides, for statistics without a solution
+_POINTS_IN_MEMORY = 2**22  # of a map that is read from its file
 _MIN_SCATTER = 0.02  # of a logarithm, and of a result that is not closed; less is chance
 
 Slices = dict[str, slice]  # rows ("y") and columns ("x") of a map
@@ -67,13 +68,14 @@ def scatter_of_subwindows(
         return Scatter(dict.fromkeys(result.values, nan_values), slices=slices)
     subwindows = (subwindow(relevelled(levelled_map.isel(area), order), **arguments) for area in slices)
     members = result.members(subwindows)
-    part, aspect = levelled_map.isel(region), texture_parameters(result.window)["Str"]
+    known = texture_parameters(result.window) if result.solved is None else result.solved
+    aspect = float(known["Str"])
     deviations = {
         name: _deviations(name, members[name], result.values[name][few_loads]) for name in (AREA, PEAK)
     }
     spread = np.hypot(np.std(deviations[AREA], axis=0, ddof=1), _MIN_SCATTER)
     common: Features = {
-        "gradient": _extrapolate_deviation(_gradient_variances(part.values, spacing(part))),
+        "gradient": _extrapolate_deviation(_gradient_variances(levelled_map.isel(region))),
         "lay": 0.5 if math.isnan(aspect) else aspect,
         "scatter": result.extend_to_loads(np.log(spread)),
     }
@@ -89,13 +91,16 @@ def _deviations(name: str, members: np.ndarray, result: np.ndarray) -> np.ndarra
     return to_scale(name, positive_members) - to_scale(name, positive)
 
 
-def _gradient_variances(heights: np.ndarray, steps: tuple[float, float]) -> dict[int, float]:
+def _gradient_variances(height: xr.DataArray) -> dict[int, float]:
     """Return number of pieces of a map (m) -> variance of ln(rms gradient) between them."""
-    squares = np.zeros([max(n - 1, 1) for n in heights.shape])
-    for axis, step in enumerate(steps):
-        if heights.shape[axis] > 1:
-            slope = np.diff(heights, axis=axis) / step
-            squares += slope[: squares.shape[0], : squares.shape[1]] ** 2
+    squares, steps = np.zeros([max(n - 1, 1) for n in height.shape]), spacing(height)
+    number = max(1, _POINTS_IN_MEMORY // height.shape[1])
+    for start in range(0, len(squares), number):  # a large map is read from its file a few rows at a time
+        rows, block = height[start : start + number + 1].values, squares[start : start + number]
+        for axis, step in enumerate(steps):
+            if rows.shape[axis] > 1:
+                slope = np.diff(rows, axis=axis) / step
+                block += slope[: block.shape[0], : block.shape[1]] ** 2
     variances = {}
     for cuts in _CUTS:
         if any(1 < n < cuts * _MIN_POINTS_PER_SIDE - 1 for n in squares.shape):

@@ -1,9 +1,10 @@
 """Short waves: what they change, those that the instrument hides, and the octave beyond the pixels.
 
 * *The magnification curve* (Persson 2001): the window is solved without its shortest octave of waves, without
-  two, and so on, on three points per shortest wave; together this costs about as much as the window. Waves
-  are cut off by a circle in the plane of wavenumbers; the first holds as many as the grid with pixels twice
-  as large.
+  two, and so on, on three points per shortest wave; together this costs about as much as the window. Of more
+  than 2048 x 2048 such points the change of a part of the window is solved, around its highest pressure.
+  Waves are cut off by a circle in the plane of wavenumbers; the first holds as many as the grid with pixels
+  twice as large.
 * *Hidden waves*, longer than two pixels, that a stated lens or tip does not resolve, shift the ends of the
   interval. The trend of the resolved octaves is continued to the pixels, over two octaves at most; beyond,
   nothing bounds it.
@@ -12,7 +13,7 @@
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,13 +22,14 @@ import xarray as xr
 
 from roughcontact.arguments.maps import dimensions, height_map, side_lengths, spacing
 from roughcontact.io.read import read_height_map
-from roughcontact.kernels.fourier import wavenumbers
+from roughcontact.kernels.fourier import wavevectors
 from roughcontact.surface.levelling.level import level
 from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.window.band import is_limited_by_grid
 from roughcontact.surface.window.transfer import reliability_length, shortest_transmitted
 from roughcontact.uncertainty.calibration import octave_arms
 from roughcontact.uncertainty.combination import Component, Components, half_widths, one_sided, symmetric
+from roughcontact.uncertainty.discretisation import LARGEST_PART, part_around
 from roughcontact.uncertainty.ensemble import MARGIN, Result
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import ANSWERS, AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
@@ -37,26 +39,48 @@ Spectra = list[tuple[np.ndarray, np.ndarray]]  # of each axis: wavenumbers, and 
 
 _POINTS_PER_WAVE = 3  # of the shortest: with two, areas of small loads are a tenth and peaks a quarter off
 _MIN_WAVES_PER_SIDE = 8  # of the shortest, in the last entry
+_LARGEST_GRID = 2048**2  # points, beyond which a part tells the change
 _MAX_OCTAVES = 2  # that are extrapolated
 _PROFILE_PIECES = 8  # whose scatter tells how well a line stands for the surface
 
 
 def remove_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
     """Return a periodic map (m) without waves shorter than `cutoff` (m), on three points per such wave."""
-    spectrum = np.where(_passes(window, cutoff), np.fft.rfft2(window.values), 0.0)
-    sides = side_lengths(window)
-    points = [
-        min(n, scipy.fft.next_fast_len(math.ceil(_POINTS_PER_WAVE * side / cutoff), real=True))
-        for n, side in zip(window.shape, sides, strict=True)
-    ]
-    ky, kx = (n // 2 for n in points)
+    points, sides = _points_without(window, cutoff), side_lengths(window)
+    q, rows = _long_waves(window, points)
     # the spectrum is cut off: neither aliasing nor attenuation changes the waves that stay
-    rows = np.r_[0 : points[0] - ky, window.shape[0] - ky : window.shape[0]]
-    values = np.fft.irfft2(spectrum[rows, : kx + 1], s=points) * (math.prod(points) / window.size)
+    spectrum = np.fft.fft(_transform_along_x(window, q.shape[1]), axis=0)[rows]
+    values = np.fft.irfft2(np.where(_passes(q, cutoff), spectrum, 0.0), s=points)
+    values *= math.prod(points) / window.size
     steps = [side / n for side, n in zip(sides, points, strict=True)]
     if 1 in points:  # the pitch across a profile is that along it
         steps = [max(steps)] * 2
     return height_map(values, steps, unit="m")
+
+
+def _points_without(window: xr.DataArray, cutoff: float) -> list[int]:
+    """Return how many points (y, x) a map has without waves shorter than `cutoff` (m)."""
+    return [
+        min(n, scipy.fft.next_fast_len(math.ceil(_POINTS_PER_WAVE * side / cutoff), real=True))
+        for n, side in zip(window.shape, side_lengths(window), strict=True)
+    ]
+
+
+def _long_waves(window: xr.DataArray, points: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the wavenumbers (rad/m) of a map on so many points, and the rows of the map's that they are."""
+    ky, kx = (n // 2 for n in points)
+    rows = np.r_[0 : points[0] - ky, window.shape[0] - ky : window.shape[0]]
+    qy, qx = wavevectors(window.shape, spacing(window))
+    return np.hypot(qy[rows], qx[:, : kx + 1]), rows
+
+
+def _transform_along_x(window: xr.DataArray, number: int) -> np.ndarray:
+    """Return the first columns of a map's transform along x, some rows at a time: of a large map most go."""
+    columns = np.empty((window.shape[0], number), complex)
+    step = max(1, _LARGEST_GRID // window.shape[1])
+    for start in range(0, len(columns), step):
+        columns[start : start + step] = np.fft.rfft(window[start : start + step].values)[:, :number]
+    return columns
 
 
 def shortest_wave(window: xr.DataArray) -> float:
@@ -66,9 +90,9 @@ def shortest_wave(window: xr.DataArray) -> float:
     return math.sqrt(math.pi * math.prod(spacing(window)))
 
 
-def _passes(window: xr.DataArray, cutoff: float) -> np.ndarray:
-    """Return which waves, in the layout of `rfft2`, are as long as a cut-off or longer."""
-    return wavenumbers(window.shape, spacing(window)) * cutoff <= 2 * np.pi * (1 + 1e-9)
+def _passes(q: np.ndarray, cutoff: float) -> np.ndarray:
+    """Return which wavenumbers (rad/m) are of waves as long as a cut-off (m) or longer."""
+    return q * cutoff <= 2 * np.pi * (1 + 1e-9)
 
 
 def magnification_curve(result: Result) -> Columns:
@@ -78,22 +102,31 @@ def magnification_curve(result: Result) -> Columns:
     shortest wave kept, `gradient_at_cutoff` (cutoff) the rms gradient.
     """
     window = result.window
-    maps, q = [window], wavenumbers(window.shape, spacing(window))
-    levels = [result.values]
+    levels, gradients = [result.values], [rms_gradient(window)]
     band_limit = 0.0 if is_limited_by_grid(window.attrs) else window.attrs["band_shortest"]
-    lengths = [max(2 * np.pi / q.max(), band_limit)]
+    corner = math.hypot(*(np.abs(q).max() for q in wavevectors(window.shape, spacing(window))))
+    lengths = [max(2 * np.pi / corner, band_limit)]
     side = min((s for s, n in zip(side_lengths(window), window.shape, strict=True) if n > 1), default=0.0)
     cutoff = 2 * shortest_wave(window)
+    part, of_part, share = window, None, 1.0
     while side >= _MIN_WAVES_PER_SIDE * cutoff:
-        maps.append(remove_shortest_waves(window, cutoff))
-        lengths.append(max(2 * np.pi / q[_passes(window, cutoff)].max(), lengths[0]))
-        levels.append(result.again(maps[-1]))
+        is_large = math.prod(_points_without(window, cutoff)) > _LARGEST_GRID
+        if is_large and of_part is None:
+            part = part_around(window, result.peak_index(), LARGEST_PART)
+            of_part, share = result.solve_at_samples(part), gradients[0] / rms_gradient(part)
+        elif not is_large:
+            part, of_part, share = window, None, 1.0
+        smoother = remove_shortest_waves(part, cutoff)
+        q, _ = _long_waves(part, smoother.shape)
+        lengths.append(max(2 * np.pi / q[_passes(q, cutoff)].max(), lengths[0]))
+        levels.append(result.again(smoother, of_part))
+        gradients.append(share * rms_gradient(smoother))
         cutoff *= 2
     numbers = {name: np.stack([results[name] for results in levels], axis=1) for name in result.values}
     numbers[PRESSURE] = np.minimum(result.load[:, None] / numbers[AREA], result.hardness)
     curve: Columns = {f"{name}_at_cutoff": (("load", "cutoff"), values) for name, values in numbers.items()}
     curve["cutoff_wavelength"] = "cutoff", np.array(lengths)
-    curve["gradient_at_cutoff"] = "cutoff", np.array([rms_gradient(m) for m in maps])
+    curve["gradient_at_cutoff"] = "cutoff", np.array(gradients)
     return curve
 
 

@@ -44,8 +44,7 @@ def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> Non
     """Refuse statements about an instrument that cannot be true of a map (y, x; m)."""
     sides = [(n * step, step) for n, step in zip(window.shape, spacing(window), strict=True) if n > 1]
     length, pixel = (max(values) for values in zip(*sides, strict=True))
-    # in the band of the window less noise remains than is stated of single points
-    rms_height, (noise, _) = float(window.std()), noise_that_remains(window, 1.0)
+    rms_height = float(window.std()) if instrument.get("noise") else 0.0
     for key, value in instrument.items():
         if key != "finer_spectrum" and value is not None and not value >= 0:
             raise SettingsError(f"instrument.{key} = {value:g}: give a number of 0 or more")
@@ -54,7 +53,8 @@ def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> Non
         ("resolution", lambda v: 0 < v < 2 * pixel, f"finer than two pixels of the map ({2 * pixel:.3g} m)"),
         (
             "noise",
-            lambda v: v * noise > rms_height,
+            # in the band of the window less noise remains than is stated of single points
+            lambda v: v > 0 and noise_that_remains(window, v)[0] > rms_height,
             f"larger than the rms height of the map ({rms_height:.3g} m)",
         ),
     ):
