@@ -425,6 +425,28 @@ class TestJobs:
         words = r"\bnull\b|[mK]-\d|\b[mcµn]?m[23]\b|\bum\b|; in |, (?:Pa|N|m|s)\b"
         assert re.findall(f".*(?:{words}).*", text) == []
 
+    def test_mistakes_stand_beside_the_fields_of_the_question_and_lead_there(self, browser):
+        click(browser, "[name='page.job'][value=seal]")
+        browser.wait("document.querySelector('#fields h2').textContent === '3 Does it seal?'")
+        assert browser.text("#mistakes").split("\n")[1:-1] == ["name the materials of both bodies"]
+        texts = {"contact.bodies.0.material": "stel", "contact.bodies.1.material": "NBR", "level.order": "x"}
+        for name, text in texts.items():
+            fill(browser, name, text)
+            saved(browser)
+        browser.evaluate("document.querySelectorAll('details').forEach(part => { part.open = false; })")
+        places = {"contact.bodies": "[data-field='contact.bodies.1.material'] + .mistake"}
+        places |= {"level.order": "[data-field='level.order'] .mistake"}
+        for wrong, place in (("stel", "contact.bodies"), ("", "level.order")):
+            fill(browser, "contact.bodies.0.material", wrong or "steel")
+            saved(browser)
+            link = f"document.querySelector(\"#mistakes a[href='#of-{place}']\")"
+            assert browser.evaluate(f"{link}.textContent") == browser.text(places[place])
+            browser.evaluate(f"{link}.click()")  # opens what it lies in
+            browser.wait(f'document.querySelector("{places[place]}").checkVisibility()')
+        for name in texts:
+            fill(browser, name, "")
+        saved(browser)
+
     def test_loads_of_another_question_are_set_aside_and_come_back(self, browser):
         click(browser, "[name='page.job'][value=ball]")
         browser.wait("document.querySelector('#fields h2').textContent === '3 Ball on flat'")
@@ -1265,6 +1287,7 @@ class TestNothingLost:
             click(browser, "[name='page.job'][value=friction]")
             browser.choose_files("#choose", *(study / "measured").iterdir())
             rows_read(browser, 3)  # copies of files that are there are known again
+            assert browser.evaluate("document.querySelector('#choose').files.length") == 0  # and chosen again
             assert len([*(study / "measured").iterdir()]) == 3
             saved(browser)
             reloaded_after_typing(browser, study, "0.3", 0.0)
@@ -1474,6 +1497,19 @@ class TestForm:
         checked = check(texts, [row | columns for row in rows], job=job)
         assert checked["mistakes"] == {}
         assert list(checked["results"]) == ["one", "two"]
+
+    def test_the_channel_that_is_read_is_named(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "config").mkdir()
+        (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tone.nid\n")
+        channels = [{"name": name, "is_height": True} for name in ("Topography forward", "Topography")]
+        inspection = measurements.UNREAD | {"key": "a", "channel": "Topography", "channels": channels}
+        monkeypatch.setattr(measurements, "inspect", lambda _: inspection)
+        page = Page()
+        page.first("a page")
+        page.reader.pool.shutdown()
+        options = re.findall("<option[^>]*>([^<]*)", page.html(["files"]).partition("rows.0.channel")[2])
+        assert options[:3] == ["default: Topography", "Topography forward", "Topography"]
 
     def test_columns_are_explained_by_columns_not_by_options(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)

@@ -45,8 +45,8 @@ from roughcontact.arguments.choices import (
 )
 from roughcontact.arguments.materials import MAX_FRICTION, MAX_HARDNESS, MIN_LOAD, RIGID, SOFTEST, STIFFEST
 from roughcontact.arguments.ranges import with_shares
-from roughcontact.arguments.settings.plausible import Range, bare_number, unit_in_words
-from roughcontact.arguments.units import carries_unit
+from roughcontact.arguments.settings.plausible import Range, bare_number, setting_base
+from roughcontact.arguments.units import carries_unit, printed
 
 
 def _not_boolean(value: Any) -> Any:
@@ -249,7 +249,8 @@ class Section(BaseModel):
         """Let each description be the text below the field, in one line, and its unit."""
         for name, text in _texts_below_fields().get(cls.__name__, {}).items():
             field = cls.model_fields[name]
-            field.description = " ".join(text.split()) + unit_in_words(field)
+            base = setting_base(field)
+            field.description = " ".join(text.split()) + (f"; in {printed(base)}" if base else "")
 
     @model_validator(mode="before")
     @classmethod

@@ -102,19 +102,6 @@ def setting_base(field: FieldInfo) -> str:
     return bases.pop() if len(bases) == 1 else ""  # moduli by times have two
 
 
-def unit_in_words(field: FieldInfo) -> str:
-    """Return the end of the description of a setting, the unit of a bare number; empty without one.
-
-    Examples
-    --------
-    >>> from roughcontact.arguments.settings.models import Body
-    >>> unit_in_words(Body.model_fields["thermal_conductivity"])
-    '; in W/(m K)'
-    """
-    base = setting_base(field)
-    return f"; in {printed(base)}" if base else ""
-
-
 def bare_number(value: Any) -> float:
     """Return a number without a unit, NaN for anything else."""
     try:

@@ -63,15 +63,15 @@ class Run:
 def results(settings: Mapping[str, Any] | None) -> dict[str, tuple[Summary, bool]]:
     """Return the summary of each result with a name that has settings, and whether it is of these.
 
-    Where no settings are known, all results are those of others.
+    They are in the order of the table. Where no settings are known, all results are those of others.
     """
+    panels = {panel.parent.relative_to(RESULTS).as_posix(): panel for panel in RESULTS.rglob("panel.json")}
     values = {}
-    for panel in sorted(RESULTS.rglob("panel.json")):
-        name = panel.parent.relative_to(RESULTS).as_posix()
-        if settings is None or name in settings:
-            made_with = _settings_of(panel.with_name("statistics.nc"), panel.stat().st_mtime_ns)
-            wanted = None if settings is None else json.loads(json.dumps(settings[name]))
-            values[name] = read_summary(panel), made_with == wanted
+    for name in sorted(panels) if settings is None else filter(panels.get, settings):
+        panel = panels[name]
+        made_with = _settings_of(panel.with_name("statistics.nc"), panel.stat().st_mtime_ns)
+        wanted = None if settings is None else json.loads(json.dumps(settings[name]))
+        values[name] = read_summary(panel), made_with == wanted
     return values
 
 

@@ -2,23 +2,28 @@
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
 
 import yaml
 
 
-class Job(NamedTuple):
+@dataclass(frozen=True)
+class Job:
     """A question, in words, with what it needs."""
 
     question: str
     settings: list[str]  # dotted names
-    columns: list[str]
-    made: dict[str, str]  # settings that follow from the question
+    columns: list[str] = field(default_factory=list)
+    made: dict[str, str] = field(default_factory=dict)  # settings that follow from the question
 
 
+_MATERIALS = ["contact.bodies.0.material", "contact.bodies.1.material"]
 _FILE = Path(__file__).with_name("page") / "jobs.yaml"
-JOBS = {key: Job(**job) for key, job in yaml.safe_load(_FILE.read_text(encoding="utf-8")).items()}
+JOBS = {
+    key: Job(**(job | {"settings": _MATERIALS + job["settings"]}))
+    for key, job in yaml.safe_load(_FILE.read_text(encoding="utf-8")).items()
+}
 # loads and forms, of which a study has one kind: those of another job are set aside
 _LOADS = {
     name

@@ -34,7 +34,7 @@ MEASURED = Path("measured")  # where dropped files go
 OPTIONS = {name.replace("-", "_"): name for name in FILE_OPTIONS}
 READING = Lock()  # the libraries of netCDF and HDF5 are not for two threads
 UNREAD: dict[str, Any] = {
-    **dict.fromkeys(("key", "line", "sha256", "command", "picture"), ""),
+    **dict.fromkeys(("key", "line", "sha256", "command", "picture", "channel"), ""),
     **{key: [] for key in ("channels", "warnings", "columns")},
     "text": "is read ...",
     "map": None,

@@ -3,13 +3,13 @@
 const page = document.body.dataset.page;
 const element = id => document.getElementById(id);
 const fields = () => new URLSearchParams([...document.forms].flatMap(form => [...new FormData(form)]));
-let queue = Promise.resolve(), unsaved = 0, waits = false, steps = 0;
+let queue = Promise.resolve(), unsaved = 0, steps = 0;
 
 // Makes an element what it is in the answer, but for what was typed into a field, opened, or drawn.
 function merge(old, now) {
   if (old.isEqualNode(now)) return;
   if (old.nodeName !== now.nodeName || old.id !== now.id || old.nodeName === "#text") return old.replaceWith(now);
-  if (old.nodeName === "polyline") return;
+  if (["outline", "curve", "cursor"].includes(old.id)) return;
   const names = [...old.getAttributeNames(), ...now.getAttributeNames()].filter(name => name !== "open");
   for (const name of names)
     if (!now.hasAttribute(name)) old.removeAttribute(name);
@@ -26,31 +26,31 @@ async function put(response) {
   if (focus) element(focus.id).focus();
 }
 
-async function send(action, more = []) {
-  const body = fields();
+async function send(action, more) {
+  if (action === "write" && !unsaved) return;  // an answer before it has had all
+  const body = fields(), sent = unsaved;
   for (const [name, value] of more) body.append(name, value);
-  const sent = unsaved;
   await put(await fetch(`${action}?page=${page}`, { method: "POST", body }));
   unsaved -= sent;
 }
 
 async function upload(files) {
-  const responses = [], paths = [];
-  for (const file of files) responses.push(await fetch(`drop?page=${page}&name=${encodeURIComponent(file.name)}`, { method: "POST", body: file }));
-  for (const response of responses) if (response.ok) paths.push(["page.dropped", await response.text()]);
-  await send("add", paths);
-  for (const response of responses) if (!response.ok) await put(response);
+  const paths = [], refusals = [];
+  for (const file of files) {
+    const response = await fetch(`drop?page=${page}&name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
+    if (response.ok) paths.push(["page.dropped", await response.text()]);
+    else refusals.push(response);
+  }
+  if (paths.length) await send("add", paths);
+  for (const response of refusals) await put(response);
 }
 
-function tell() {
-  element("problem").textContent = "No answer: start roughcontact app again, and open the address that it prints";
-}
-
-function ask(action, detail) {
+function ask(action, detail = []) {
   steps += 1;
   document.body.ariaBusy = action !== "state";
-  queue = queue.then(() => { waits &&= action !== "write"; return action === "drop" ? upload(detail) : send(action, detail); })
-    .catch(tell).finally(() => { steps -= 1; document.body.ariaBusy = steps > 0; });
+  queue = queue.then(() => action === "drop" ? upload(detail) : send(action, detail)).catch(() => {
+    element("problem").textContent = "No answer: start roughcontact app again, and open the address that it prints";
+  }).finally(() => { steps -= 1; document.body.ariaBusy = steps > 0; });
 }
 
 document.addEventListener("submit", event => {
@@ -59,11 +59,13 @@ document.addEventListener("submit", event => {
   ask((event.submitter ?? event.target).getAttribute(event.submitter ? "formaction" : "action"), name ? [[name, value]] : []);
 });
 document.addEventListener("input", event => {
-  if (event.target.type === "file") return ask("drop", [...event.target.files]);
-  if (event.target.form?.id !== "study") return;
-  unsaved += 1;
-  if (!waits) ask("write");  // one at most waits for its turn: it sends what is there then
-  waits = true;
+  if (event.target.type === "file") {
+    ask("drop", [...event.target.files]);
+    event.target.value = "";  // those that were left out may be chosen again
+  } else if (event.target.form?.id === "study") {
+    unsaved += 1;
+    ask("write");
+  }
 });
 for (const name of ["dragover", "drop"])  // a file beside the field would take the place of the page
   document.addEventListener(name, event => { if (event.target.id !== "choose") event.preventDefault(); });
