@@ -20,13 +20,7 @@ from __main__ import snakemake  # the global of the script; only few versions ha
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 
-from roughcontact.errors import (
-    HeightMapError,
-    InputFileError,
-    RoughContactError,
-    SettingsError,
-    path_message,
-)
+from roughcontact.errors import HeightMapError, InputFileError, RoughContactError, SettingsError, path_message
 from roughcontact.study.checksums import checksum
 from roughcontact.study.garbage import collect_rarely
 from roughcontact.study.notes import write_notes

@@ -23,9 +23,7 @@ class LayFacts(NamedTuple):
 _ENSEMBLE = "the surfaces with the spectrum, heights and slopes of {profiles}"
 _LAYS = {
     ACROSS: LayFacts(
-        False,
-        "The profile runs across a lay, as stated: its ridges are endless.",
-        takes_profiles_along=True,
+        False, "The profile runs across a lay, as stated: its ridges are endless.", takes_profiles_along=True
     ),
     ISOTROPIC: LayFacts(
         True,

@@ -127,7 +127,7 @@ _COMMENTS = {
         "gap = displacement - height + approach, the displacement positive into the half-space. Its mean is "
         "what the setting zero_frequency makes of the load: nothing by the rule zero, by which the approach "
         "is the mean gap plus the mean height where no point yields."
-    ),
+    )
 }
 
 # verdicts on single answers, beside `verdict`

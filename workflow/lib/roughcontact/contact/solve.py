@@ -7,16 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments import choices
 from roughcontact.arguments.bodies import check_bodies
 from roughcontact.arguments.checking import check_choice, check_positive, warn_of_map
-from roughcontact.arguments.choices import (
-    MIN_TOLERANCE,
-    Boundary,
-    Influence,
-    OnFailure,
-    Precision,
-    ZeroFrequency,
-)
 from roughcontact.arguments.kinds import FINITE_BODY, PERIODIC_MAP, facts_of
 from roughcontact.arguments.maps import dimensions
 from roughcontact.arguments.materials import contact_modulus as modulus_of
@@ -50,15 +43,15 @@ def solve_contact(
     *,
     contact_modulus: float | str | None = None,
     mean_pressure: float | str | Sequence[float | str] | None = None,
-    boundary: Boundary = "periodic",
+    boundary: choices.Boundary = "periodic",
     force: float | str | Sequence[float | str] | None = None,
     bodies: Sequence[Mapping[str, Any]] | None = None,
     tolerance: float = 1e-4,
     hardness: float | None = None,
-    influence: Influence = "sampled",
-    zero_frequency: ZeroFrequency = "zero",
-    precision: Precision = "double",
-    on_failure: OnFailure = "raise",
+    influence: choices.Influence = "sampled",
+    zero_frequency: choices.ZeroFrequency = "zero",
+    precision: choices.Precision = "double",
+    on_failure: choices.OnFailure = "raise",
     fields: bool = True,
     reduce: Callable[[xr.Dataset], xr.Dataset] | None = None,
     arrays: Callable[[np.ndarray], Any] | None = None,
@@ -177,7 +170,7 @@ def solve_contact(
     1.0000
     """
     material = elasticity(contact_modulus, bodies, influence, hardness)
-    check_choice("boundary", boundary, Boundary)
+    check_choice("boundary", boundary, choices.Boundary)
     kind = facts_of({"boundary": boundary})
     given_loads = {"mean_pressure": mean_pressure, "force": force}
     unusual = {
@@ -192,14 +185,15 @@ def solve_contact(
     load = given_loads[kind.load]
     loads = check_loads(kind.load, [] if load is None else load, unit=kind.load_unit)
     tolerance = check_positive("tolerance", tolerance, unit="relative terms")
-    if not MIN_TOLERANCE <= tolerance < 1:
+    if not choices.MIN_TOLERANCE <= tolerance < 1:
         raise SettingsError(
-            f"tolerance = {tolerance!r} must lie between {MIN_TOLERANCE:g} and 1; 1e-4 serves most purposes"
+            f"tolerance = {tolerance!r} must lie between {choices.MIN_TOLERANCE:g} and 1; 1e-4 serves most "
+            "purposes"
         )
-    check_choice("on_failure", on_failure, OnFailure)
-    check_choice("influence", influence, Influence)
-    check_choice("precision", precision, Precision)
-    check_choice("zero_frequency", zero_frequency, ZeroFrequency)
+    check_choice("on_failure", on_failure, choices.OnFailure)
+    check_choice("influence", influence, choices.Influence)
+    check_choice("precision", precision, choices.Precision)
+    check_choice("zero_frequency", zero_frequency, choices.ZeroFrequency)
     if not threads >= 1:
         raise SettingsError(f"threads = {threads!r}: give a whole number of 1 or more")
     if reduce is not None and not callable(reduce):
@@ -255,7 +249,7 @@ def solve_contact(
 def elasticity(
     contact_modulus: float | str | None = None,
     bodies: Sequence[Mapping[str, Any]] | None = None,
-    influence: Influence = "sampled",
+    influence: choices.Influence = "sampled",
     hardness: float | None = None,
     **_: Any,
 ) -> Elasticity:
@@ -285,7 +279,7 @@ def periodic_solutions(
     material: Elasticity,
     *,
     window: xr.DataArray | None = None,  # of which a periodic map needs the heights alone
-    zero_frequency: ZeroFrequency = "zero",
+    zero_frequency: choices.ZeroFrequency = "zero",
     threads: int,
     **options: Any,
 ) -> Iterator[tuple[FieldsInUnits, Any, float]]:
@@ -314,7 +308,7 @@ def _check_periodic(
     loads: Sequence[float],
     material: Elasticity,
     window: xr.DataArray,
-    zero_frequency: ZeroFrequency,
+    zero_frequency: choices.ZeroFrequency,
 ) -> None:
     """Raise SettingsError for a load (Pa), or a rule, that a periodic map does not allow; warn of seams."""
     cap = material.hardness
@@ -380,7 +374,7 @@ def _kept(
     return numbers.assign_attrs(result_of_load.attrs | load_dataset.attrs)
 
 
-def _missed(load: str, load_dataset: xr.Dataset, *, precision: Precision) -> str:
+def _missed(load: str, load_dataset: xr.Dataset, *, precision: choices.Precision) -> str:
     """Return the error message for a load that misses the tolerance."""
     precision_hint = ", take precision: double" if precision == "single" else ""
     remedies = f"raise the tolerance{precision_hint} or set on_failure: flag"

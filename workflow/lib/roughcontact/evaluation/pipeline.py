@@ -159,10 +159,7 @@ def statistics_of_settings(window: xr.DataArray, settings: Settings) -> Statisti
     """Return the function from a solution to `contact_statistics`, by the sections of the settings."""
     contact = settings["contact"]
     return statistics_function(
-        window,
-        contact_modulus=contact["contact_modulus"],
-        bodies=contact["bodies"],
-        **settings["statistics"],
+        window, contact_modulus=contact["contact_modulus"], bodies=contact["bodies"], **settings["statistics"]
     )
 
 

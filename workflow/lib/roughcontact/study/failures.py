@@ -36,10 +36,7 @@ def main() -> int:
         plan = Plan(*read_study(**study, checked=True))
         failures = report_finished(plan)
     except (RoughContactError, OSError) as error:
-        print(
-            f"Not finished, and no report of what is finished can be written: {error}",
-            file=sys.stderr,
-        )
+        print(f"Not finished, and no report of what is finished can be written: {error}", file=sys.stderr)
         return 0
     names = ", ".join(dict.fromkeys(failure["surface"] for failure in failures)) or "the report"
     lines = [f"Not finished: {names}. The lines with ERROR above give the reasons; logs/ has more."]

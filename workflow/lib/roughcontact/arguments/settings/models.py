@@ -26,23 +26,7 @@ from pydantic.fields import FieldInfo
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
 
-from roughcontact.arguments.choices import (
-    MAX_ORDER,
-    MIN_TOLERANCE,
-    Boundary,
-    Extra,
-    Fill,
-    Influence,
-    LevelForm,
-    LineAlignment,
-    LoadTarget,
-    OnFailure,
-    Placement,
-    Precision,
-    UncertaintySource,
-    WindowMethod,
-    ZeroFrequency,
-)
+from roughcontact.arguments import choices
 from roughcontact.arguments.materials import MAX_FRICTION, MAX_HARDNESS, MIN_LOAD, RIGID, SOFTEST, STIFFEST
 from roughcontact.arguments.ranges import with_shares
 from roughcontact.arguments.settings.plausible import Range, bare_number, setting_base
@@ -210,7 +194,9 @@ Times = Annotated[list[Time], Field(min_length=1, max_length=100), _ONE_OR_MORE]
 Slips = Annotated[
     list[Annotated[Number, Field(gt=0, le=1)]], Field(min_length=1, max_length=100), _ONE_OR_MORE
 ]
-Targets = Annotated[list[LoadTarget], Field(min_length=1, max_length=len(get_args(LoadTarget))), _ONE_OR_MORE]
+Targets = Annotated[
+    list[choices.LoadTarget], Field(min_length=1, max_length=len(get_args(choices.LoadTarget))), _ONE_OR_MORE
+]
 UnloadedFrom = Annotated[
     Annotated[list[Pressure], Field(max_length=1000), OneOrMore("boolean")] | None,
     BeforeValidator(_largest_load),
@@ -262,16 +248,16 @@ class Section(BaseModel):
 class Level(Section):
     """Levelling: remove outliers, align scan lines, remove form and waviness, fill in missing points."""
 
-    form: LevelForm = "plane"
+    form: choices.LevelForm = "plane"
     """form that is fitted to the map and subtracted"""
-    order: Count = Field(default=2, ge=1, le=MAX_ORDER)
+    order: Count = Field(default=2, ge=1, le=choices.MAX_ORDER)
     """total order of the polynomial, x^i y^j with i + j <= order"""
     robust: bool = False
     """fit without weight on deep valleys and high spikes (otherwise least squares)"""
     outlier_threshold: Annotated[Positive | None, OrNone()] = 6.0
     """isolated spikes that deviate from their surroundings by more than this many local standard deviations
     are treated as missing; none keeps every point"""
-    line_alignment: LineAlignment = "auto"
+    line_alignment: choices.LineAlignment = "auto"
     """how rows (scan lines) are shifted to match one another; jitter: by their random jumps from row to row;
     auto: as jitter where the rows clearly jump, otherwise not; median: the median of each row to the same
     height; matched-steps: the median step from row to row to zero"""
@@ -285,7 +271,7 @@ class Level(Section):
     l_filter: Length | None = _example("0.8 mm")
     """nesting index of the L-filter (areal Gaussian, ISO 16610-61): longer waves are removed; left empty:
     they are kept"""
-    fill: Fill = "harmonic"
+    fill: choices.Fill = "harmonic"
     """how missing points are filled in; those at the border are cropped instead"""
     max_missing: Number = Field(default=0.4, ge=0, le=1)
     """largest share of missing points; a map with more is rejected"""
@@ -319,10 +305,10 @@ class Form(Section):
 class Window(Section):
     """The periodic window for the solver."""
 
-    placement: Placement = "largest"
+    placement: choices.Placement = "largest"
     """part of the map that is solved; largest: the largest rectangle without missing points; whole-periods:
     shortened to a whole number of periods of a texture that repeats"""
-    method: WindowMethod = "smooth-cross-fade"
+    method: choices.WindowMethod = "smooth-cross-fade"
     """how that part is made periodic; docs/explanation/surface.md compares them"""
     width: Number = Field(default=0.1, gt=0, le=0.5)
     """share of the side over which the two cross-fades blend or taper falls; other methods ignore it"""
@@ -476,7 +462,7 @@ class Contact(Section):
     """nominal pressure, one number or a list; if no load is given, log-spaced loads are planned"""
     relative_pressure: RelativeLoads | None = _example([0.01, 0.05, 0.2])
     """nominal pressure / (E* x rms gradient of the window), no unit, one number or a list"""
-    boundary: Boundary = "periodic"
+    boundary: choices.Boundary = "periodic"
     """periodic: the map repeats; free: a body of finite size (section form) under a force"""
     force: Forces | None = _example("50 N")
     """one number or a list: on a body of finite size; with an area, or on a local scale (form), instead of a
@@ -498,9 +484,9 @@ class Contact(Section):
     """of the contact modulus, relative, expanded (95 %), no unit; it is part of the ±"""
     mean_pressure_uncertainty: RelativeUncertainty | None = _example(0.02)
     """of the loads, relative, expanded (95 %), no unit; it is part of the ±"""
-    tolerance: Number = Field(default=1e-4, ge=MIN_TOLERANCE, lt=1)
+    tolerance: Number = Field(default=1e-4, ge=choices.MIN_TOLERANCE, lt=1)
     """largest accepted error_bound (relative, energy norm), no unit"""
-    zero_frequency: ZeroFrequency = "zero"
+    zero_frequency: choices.ZeroFrequency = "zero"
     """mean displacement in the approach: zero, nogi-kato (its mean over the q = 0 cell), lattice (one contact
     per window in free space); pressure and area do not depend on it"""
     hardness: Annotated[Strength, OrRange()] | None = _example("2 GPa")
@@ -512,14 +498,14 @@ class Contact(Section):
     unload: UnloadedFrom = _example(True)
     """take a load off after it was reached, and write the surface that flow has left and the contact on the
     way back to residual.nc; true: the largest load; or loads; needs a hardness"""
-    influence: Influence = "sampled"
+    influence: choices.Influence = "sampled"
     """elastic influence function: sampled (exact for each wave of the grid) or elements (pressure constant on
     every pixel)"""
-    precision: Precision = "double"
+    precision: choices.Precision = "double"
     """of the result: double, or single for maps that fill the memory"""
     keep_fields: bool = True
     """keep the maps of pressure, gap and contact of every load in contact.nc"""
-    on_failure: OnFailure = "raise"
+    on_failure: choices.OnFailure = "raise"
     """consequence for a load that misses the tolerance: raise (the surface fails) or flag (the load is kept
     with converged = 0)"""
 
@@ -621,10 +607,10 @@ class Statistics(Section):
     """bins of the pressure density, per factor of ten"""
     gap_bins: Count = Field(default=20, ge=1, le=1000)
     """bins of the gap density, per factor of ten"""
-    flow: Extra = "auto"
+    flow: choices.Extra = "auto"
     """whether the flow of a fluid through the gap is solved, which takes longer than the contact itself;
     auto: if a seal is given"""
-    stress: Extra = "auto"
+    stress: choices.Extra = "auto"
     """whether the stresses below the surface are computed (needs bodies); auto: if one of them states its
     yield stress"""
     work_of_adhesion: Work | None = _example("50 mJ/m²")
@@ -671,8 +657,9 @@ class Sliding(Section):
 class Uncertainty(Section):
     """The error budget: the sources of the ± of a headline number; see docs/explanation/uncertainty.md."""
 
-    sources: list[UncertaintySource] = Field(
-        default_factory=lambda: list(get_args(UncertaintySource)), max_length=len(get_args(UncertaintySource))
+    sources: list[choices.UncertaintySource] = Field(
+        default_factory=lambda: list(get_args(choices.UncertaintySource)),
+        max_length=len(get_args(choices.UncertaintySource)),
     )
     """list of the sources of the ±; the empty list [] omits the error budget"""
     windows: Count = Field(default=9, ge=4, le=400)

@@ -95,10 +95,7 @@ _RESPONSES: dict[Any, Callable[[float], _Response]] = {"sampled": _PointForces, 
 
 @lru_cache(maxsize=2)
 def transform_of_pixels(
-    shape: tuple[int, int],
-    spacing: tuple[float, float],
-    reach: float = np.inf,
-    medium: Medium = HALF_SPACES,
+    shape: tuple[int, int], spacing: tuple[float, float], reach: float = np.inf, medium: Medium = HALF_SPACES
 ) -> np.ndarray:
     """Return the symbol (ny, nx // 2 + 1), of even sides, of Love's kernel, faded beyond the reach."""
     from scipy import fft

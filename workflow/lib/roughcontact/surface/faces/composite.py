@@ -10,15 +10,8 @@ import xarray as xr
 from roughcontact.arguments.measurement import Instrument, Measurement, json_attribute, json_attributes
 from roughcontact.arguments.si import as_si
 from roughcontact.errors import HeightMapError
+from roughcontact.surface.faces import overlap
 from roughcontact.surface.faces.face import Face
-from roughcontact.surface.faces.overlap import (
-    check_pair,
-    common_grid,
-    common_period,
-    cosine_and_sine,
-    covered_share,
-    pair_name,
-)
 from roughcontact.surface.levelling.polynomial import fit_polynomial
 from roughcontact.surface.levelling.rejected import restore_rejected
 from roughcontact.surface.roughness.heights import height_parameters
@@ -98,10 +91,10 @@ def composite(
     True
     """
     lower, upper = Face(face), Face(counter_face)
-    check_pair(lower, upper, shift, rotation)
-    turn = cosine_and_sine(rotation)
-    period = common_period(lower, upper, turn)
-    positions = common_grid(lower, upper, turn, shift)
+    overlap.check_pair(lower, upper, shift, rotation)
+    turn = overlap.cosine_and_sine(rotation)
+    period = overlap.common_period(lower, upper, turn)
+    positions = overlap.common_grid(lower, upper, turn, shift)
     v, u = np.meshgrid(*(p - s for p, s in zip(positions, shift, strict=True)), indexing="ij")
     cosine, sine = turn
     # the counter-face is seen from its back: x is mirrored
@@ -110,8 +103,8 @@ def composite(
     is_measured = np.isfinite(values)
     if np.count_nonzero(is_measured) < 2:
         raise HeightMapError(
-            f"{pair_name(lower, upper)}: the faces have fewer than two measured points in common: choose a "
-            "smaller shift"
+            f"{overlap.pair_name(lower, upper)}: the faces have fewer than two measured points in common: "
+            "choose a smaller shift"
         )
     coordinates = [p + c for p, c in zip(positions, lower.middle, strict=True)]
     # a plane would break the period that both have
@@ -119,12 +112,12 @@ def composite(
     values = values - form
     on_filled &= is_measured
     attrs = _attributes(lower, upper, on_filled)
-    coverage = float(is_measured.mean() * covered_share(lower, positions))
+    coverage = float(is_measured.mean() * overlap.covered_share(lower, positions))
     axes = [axis for axis, n in enumerate(lower.shape) if n > 1]
     pitches = [max(side.step[axis] for axis in axes) for side in (lower, upper)]
     sizes = [math.prod(side.lengths[axis] for axis in axes) for side in (lower, upper)]
     attrs |= {
-        "source_file": pair_name(lower, upper),
+        "source_file": overlap.pair_name(lower, upper),
         "form": "mean" if period else "plane",
         **json_attributes({"form_removed": form_record}),
         "shift_y": float(shift[0]),

@@ -14,14 +14,7 @@ from roughcontact.arguments.maps import dimensions, side_lengths, spacing
 from roughcontact.arguments.measurement import add_remark
 from roughcontact.arguments.quantities import quantity
 from roughcontact.errors import HeightMapError
-from roughcontact.surface.faces.placing import (
-    MAX_UNCERTAINTY,
-    MIN_CORRELATION,
-    Place,
-    best_place,
-    measured_rectangle,
-    part_around,
-)
+from roughcontact.surface.faces import placing
 from roughcontact.surface.levelling.level import level
 
 _MIN_CORRELATION = 0.5  # of the middle with the earlier map; wear takes from it, another place gives less
@@ -32,7 +25,7 @@ class Registered(NamedTuple):
     """Where a map lies in the earlier one of its place."""
 
     shift: np.ndarray  # (y, x), m: position in the earlier map less that in the map itself
-    place: Place
+    place: placing.Place
 
 
 def registered(later: xr.DataArray, earlier: xr.DataArray) -> Registered:
@@ -45,17 +38,18 @@ def registered(later: xr.DataArray, earlier: xr.DataArray) -> Registered:
     HeightMapError
         for maps that do not show the same place.
     """
-    fields = [measured_rectangle(level(height)) for height in (earlier, later)]
+    fields = [placing.measured_rectangle(level(height)) for height in (earlier, later)]
     # the middle of the later map, which a shift up to a quarter keeps within the earlier one
     sides = _TEMPLATE * np.min([side_lengths(field) for field in fields], axis=0)
     middle = np.array([float(fields[1][axis].mean()) for axis in "yx"])
-    template = part_around(fields[1], middle, sides)
+    template = placing.part_around(fields[1], middle, sides)
     middle = np.array([float(template[axis].mean()) for axis in "yx"])
-    place, threshold = best_place(template, fields[0]), _MIN_CORRELATION
-    if place.uncertainty > MAX_UNCERTAINTY:
+    place, threshold = placing.best_place(template, fields[0]), _MIN_CORRELATION
+    if place.uncertainty > placing.MAX_UNCERTAINTY:
         # grooves fit at several places: then the nearest one counts, if it fits well
-        reach = np.array(side_lengths(template)) * (1 + 2 * MAX_UNCERTAINTY)
-        place, threshold = best_place(template, part_around(fields[0], middle, reach)), MIN_CORRELATION
+        reach = np.array(side_lengths(template)) * (1 + 2 * placing.MAX_UNCERTAINTY)
+        nearby = placing.part_around(fields[0], middle, reach)
+        place, threshold = placing.best_place(template, nearby), placing.MIN_CORRELATION
     if place.correlation < threshold:
         names = [str(height.attrs.get("source_file") or "a map") for height in (later, earlier)]
         where = "at no place alone" if threshold > _MIN_CORRELATION else "nowhere"
