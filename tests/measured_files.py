@@ -13,8 +13,7 @@ import scipy.io
 import x3pio
 import xarray as xr
 
-from roughcontact.errors import InputFileError
-from roughcontact.io.read import read_height_map
+from roughcontact import InputFileError, read_height_map
 
 GIVEN = {"dx": 1, "dy": 1, "unit": "um"}
 _AXES = (("y", -2), ("x", -1))

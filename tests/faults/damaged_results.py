@@ -22,14 +22,8 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import InputFileError
 from roughcontact.evaluation.evaluate import evaluate
 from roughcontact.io.read import read_height_map
+from roughcontact.results import storage
 from roughcontact.results.selection import read_statistics
-from roughcontact.results.storage import (
-    opened_dataset,
-    read_arrays,
-    read_dataset,
-    write_dataset,
-    written_load_by_load,
-)
 from roughcontact.surface.levelling.level import level
 from roughcontact.surface.window.periodic_window import periodic_window
 
@@ -41,9 +35,9 @@ _LONGEST = 64  # bytes
 def write_results(folder: Path, height: xr.DataArray) -> list[Path]:
     """Write statistics.nc and contact.nc of a map to a folder."""
     statistics, contact = folder / "statistics.nc", folder / "contact.nc"
-    write_dataset(evaluate(height, contact=CONTACT, uncertainty={"sources": ["solver"]}), statistics)
+    storage.write_dataset(evaluate(height, contact=CONTACT, uncertainty={"sources": ["solver"]}), statistics)
     window = periodic_window(level(height))
-    with written_load_by_load(contact, CONTACT["mean_pressure"], window) as file:
+    with storage.written_load_by_load(contact, CONTACT["mean_pressure"], window) as file:
         file.complete(solve_contact(window, **CONTACT, reduce=file.write_maps).assign(height=window))
     return [statistics, contact]
 
@@ -60,12 +54,12 @@ def damaged(data: bytes, choose: random.Random) -> bytes:
 
 
 def _opened(path: Path) -> xr.Dataset:
-    with opened_dataset(path) as dataset:
+    with storage.opened_dataset(path) as dataset:
         return dataset.load()
 
 
 def _arrays(path: Path) -> xr.Dataset:
-    arrays, attrs = read_arrays(path)
+    arrays, attrs = storage.read_arrays(path)
     return xr.Dataset(dict(arrays), attrs=attrs)
 
 
@@ -75,7 +69,7 @@ def _statistics(path: Path) -> xr.Dataset:
 
 def outcomes(path: Path, *, damages: int, seed: int) -> Counter[str]:
     """Return how many damages are refused, harmless, or read with other numbers by any of the readers."""
-    readers = [read_dataset, _opened, _arrays, *([_statistics] if path.stem == "statistics" else [])]
+    readers = [storage.read_dataset, _opened, _arrays, *([_statistics] if path.stem == "statistics" else [])]
     data, expected, counts = path.read_bytes(), [read(path) for read in readers], Counter[str]()
     choose, copy = random.Random(seed), path.with_name(f"damaged-{path.name}")
     for _ in range(damages):
@@ -101,7 +95,7 @@ def main() -> int:
         for path, damages in zip(write_results(Path(folder), height.isel(points)), (400, 200), strict=True):
             counts = outcomes(path, damages=damages, seed=1)
             start = time.perf_counter()
-            read_dataset(path)
+            storage.read_dataset(path)
             took = time.perf_counter() - start
             sizes = f"{path.stat().st_size} bytes, read in {1e3 * took:.1f} ms"
             print(f"{path.name} ({sizes}): {damages} damages, {dict(counts)}")

@@ -22,8 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from texts import arguments
 
-from roughcontact.errors import RoughContactError
-from roughcontact.io.read import read_height_map
+from roughcontact import RoughContactError, read_height_map
 
 ROUGH = np.round(400.0 * np.random.default_rng(8).standard_normal((12, 15)), 2)  # nm
 _Y, _X = np.indices(ROUGH.shape)

@@ -6,8 +6,7 @@ import damaged_results
 import pytest
 from damaged_results import damaged, outcomes, write_results
 
-from roughcontact.results.storage import read_dataset
-from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact import read_dataset, self_affine_surface
 
 
 @pytest.fixture(scope="module")

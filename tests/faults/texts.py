@@ -24,8 +24,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from roughcontact.errors import RoughContactError
-from roughcontact.io.read import read_height_map
+from roughcontact import RoughContactError, read_height_map
 
 HERE = Path(__file__).parent
 UNITS = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "m": 1.0, "Å": 1e-10}

@@ -7,9 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from roughcontact.arguments.maps import height_map
+from roughcontact import height_map, level
 from roughcontact.surface.levelling.filters import gaussian_mean_surface
-from roughcontact.surface.levelling.level import level
 from roughcontact.surface.levelling.scan_lines import find_scars, line_offsets
 from roughcontact.surface.roughness.heights import height_parameters
 from roughcontact.surface.roughness.parameters import rms_height

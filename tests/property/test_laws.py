@@ -12,18 +12,18 @@ import pytest
 from hypothesis import Phase, assume, given
 from hypothesis import settings as examples
 from hypothesis import strategies as st
+from known_surfaces import self_affine
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map, spacing
+from roughcontact import error_budget, height_map, with_uncertainty
+from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.variables import VARIABLES
-from roughcontact.statistics.contact_statistics import statistics_function, with_uncertainty
+from roughcontact.statistics.contact_statistics import statistics_function
 from roughcontact.statistics.first_yield import add_first_yield
 from roughcontact.statistics.subsurface import add_subsurface_yield
 from roughcontact.surface.roughness.bearing import BEARING_PARAMETERS
 from roughcontact.surface.roughness.parameters import roughness_parameters
-from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.surface.window.periodisation import is_periodic
-from roughcontact.uncertainty.budget import error_budget
 
 
 class Law(NamedTuple):
@@ -190,9 +190,7 @@ def law_of(name):
 
 def made(seed, shape=(36, 48), pitch=(1.5e-6, 1e-6), lay=0.4):
     """Return a rough periodic map with an oblique lay: nothing about it is symmetric."""
-    rough = self_affine_surface(
-        shape, pitch, hurst=0.7, shortest=6e-6, longest=40e-6, rms_gradient=0.05, seed=seed
-    ).values
+    rough = self_affine(shape, pitch, (6e-6, 40e-6), hurst=0.7, rms_gradient=0.05, seed=seed).values
     y, x = np.indices(shape)
     waves = np.cos(2 * np.pi * (2 * x / shape[1] - y / shape[0]) + 0.5)
     heights = rough + lay * rough.std() * waves + 0.2 * rough.std() * waves**2

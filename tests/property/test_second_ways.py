@@ -5,13 +5,13 @@ import warnings
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 
 import roughcontact as rc
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.evaluation.pipeline import run_chain
 from roughcontact.evaluation.running_in import worn_in_a_run
 from roughcontact.statistics.after_load import evaluate_unloading
-from roughcontact.surface.synthetic import self_affine_surface
 
 PITCH = (1.5e-6, 1e-6)
 AS_IT_IS = {"level": {"form": "none", "line_alignment": "none", "outlier_threshold": None}}
@@ -21,9 +21,7 @@ COATED = BODY | {"layers": [LAYER]}
 
 
 def rough(points=(32, 36), seed=3):
-    return self_affine_surface(
-        points, PITCH, hurst=0.8, shortest=6e-6, longest=24e-6, rms_gradient=0.05, seed=seed
-    )
+    return self_affine(points, PITCH, (6e-6, 24e-6), rms_gradient=0.05, seed=seed)
 
 
 def evaluated(contact, height=None, *, sources=(), window=None, **sections):

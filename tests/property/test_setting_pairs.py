@@ -14,15 +14,13 @@ import numpy as np
 import pytest
 from test_laws import LAWS, NO_NUMBER, OF_THE_SOLVER, Law, kind_of, same, swapped
 
+from roughcontact import SettingsError, height_map, self_affine_surface
 from roughcontact.arguments.answers import ALLOWED_VALUES
-from roughcontact.arguments.maps import height_map
 from roughcontact.arguments.settings.models import Settings
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.errors import SettingsError
 from roughcontact.evaluation.pipeline import run_chain
 from roughcontact.evaluation.running_in import worn_in_a_run
 from roughcontact.evaluation.sliding import slid_in_a_run
-from roughcontact.surface.synthetic import self_affine_surface
 
 PITCH, SHAPE = (1.5e-6, 1e-6), (30, 33)
 LENGTHS, MODULI = 2.0**-2, 2.0**3  # units of the second system, whose rounding is the same

@@ -8,15 +8,12 @@ from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from roughcontact import height_map, level, periodic_window, solve_contact
 from roughcontact.arguments.choices import WindowMethod
-from roughcontact.arguments.maps import height_map
-from roughcontact.contact.solve import solve_contact
 from roughcontact.surface.levelling.filling import fill_harmonic, find_holes
 from roughcontact.surface.levelling.forms import form_from_record
-from roughcontact.surface.levelling.level import level
 from roughcontact.surface.roughness import parameters
 from roughcontact.surface.window import periodisation
-from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.surface.window.rectangle import largest_rectangle
 from roughcontact.surface.window.sides import friendly_sides
 from roughcontact.uncertainty.budget_inputs import budget_inputs
@@ -53,12 +50,7 @@ def leaves_heights(height, form, order):
 
 
 @quick
-@given(
-    maps(missing=True),
-    st.sampled_from(["mean", "plane", "polynomial"]),
-    st.integers(1, 3),
-    st.booleans(),
-)
+@given(maps(missing=True), st.sampled_from(["mean", "plane", "polynomial"]), st.integers(1, 3), st.booleans())
 def test_form_and_residual_make_up_the_map(height, form, order, robust):
     assume(leaves_heights(height, form, order))
     levelled = level(

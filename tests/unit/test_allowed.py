@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 
-from roughcontact import evaluate
+from roughcontact import SettingsError, evaluate
 from roughcontact.arguments.answers import ALLOWED_VALUES, TOTALS
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.variables import VARIABLES
-from roughcontact.errors import SettingsError
 from roughcontact.report.allowed import allowed_in_words
 from roughcontact.statistics.allowed import compare, with_allowed
 
@@ -139,11 +139,8 @@ def test_what_an_allowed_value_needs_is_said(section, text):
 @pytest.fixture(scope="module")
 def rubber():
     """Return a rubber seal on a rough steel seat under two loads."""
-    from roughcontact import self_affine_surface
 
-    seat = self_affine_surface(
-        (64, 64), (1e-6, 1e-6), hurst=0.8, rms_height=5e-7, shortest=8e-6, longest=3.2e-5
-    )
+    seat = self_affine((64, 64), (1e-6, 1e-6), (8e-6, 3.2e-5), rms_height=5e-7)
     seal = {"viscosity": "1 mPa s", "pressure_difference": "0.5 bar", "width": "3 mm"}
     return evaluate(
         seat,

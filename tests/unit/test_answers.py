@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
+from roughcontact import self_affine_surface, summary, table, with_interval
 from roughcontact.arguments.answers import (
     ANSWERS,
     AREA,
@@ -21,7 +22,6 @@ from roughcontact.arguments.answers import (
     TITLES,
     UNITS,
 )
-from roughcontact.arguments.quantities import with_interval
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.interface.command_line import answers
 from roughcontact.report.cases import case_table
@@ -32,8 +32,6 @@ from roughcontact.report.methods import methods_paragraph
 from roughcontact.report.panel import each_load
 from roughcontact.report.tables import number_tables
 from roughcontact.report.units import unit_of
-from roughcontact.results.collect import summary, table
-from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.uncertainty.group_tables import NamedGroup
 
 ENDS = ("", "_lower", "_upper")

@@ -9,27 +9,15 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map
-from roughcontact.report import load_plots
+from roughcontact import height_map, self_affine_surface, write_dataset
+from roughcontact.report import glance, load_plots
 from roughcontact.report.charts import COLOURS
 from roughcontact.report.facts import _closing, surface_facts
-from roughcontact.report.glance import (
-    COLUMN_NAMES,
-    NOT_JUDGED,
-    Cell,
-    _seals,
-    _yields,
-    answer_line,
-    glance_rows,
-    glance_units,
-    load_heading,
-)
 from roughcontact.report.page import _comparisons
 from roughcontact.report.tables import number_tables
 from roughcontact.results.collect import collect_statistics, result_entry, solved_results
-from roughcontact.results.storage import write_dataset
 from roughcontact.statistics.subsurface import add_subsurface_yield
-from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.surface.synthetic import rough_reference_surface
 
 BODIES = [
     {"poissons_ratio": 0.3, "yield_stress": 2e8, "thermal_conductivity": 50.0},
@@ -100,23 +88,22 @@ def test_where_a_gap_closes_and_whether_that_is_in_doubt():
             "Std": 0.0,
         }
     )
-    (units,) = glance_units([numbers])
-    cells = [_seals(numbers, units, index) for index in range(3)]
-    assert cells[0] == Cell(
-        "leaks",
-        "narrowest place 2.00_±_0.20_µm (x), 1.00_µm (y)".replace("_", "\N{NO-BREAK SPACE}"),
+    (units,) = glance.glance_units([numbers])
+    cells = [glance._seals(numbers, units, index) for index in range(3)]
+    assert cells[0] == glance.Cell(
+        "leaks", "narrowest place 2.00_±_0.20_µm (x), 1.00_µm (y)".replace("_", "\N{NO-BREAK SPACE}")
     )
     closed = numbers.assign({f"critical_constriction_{axis}": ("load", [2e-6, 0.0, 0.0]) for axis in "xy"})
     without_x = closed.drop_vars([f"critical_constriction_x_{side}" for side in ("lower", "upper")])
-    assert _seals(without_x, units, 0).details == "narrowest place 2.00\N{NO-BREAK SPACE}µm (x and y)"
+    assert glance._seals(without_x, units, 0).details == "narrowest place 2.00\N{NO-BREAK SPACE}µm (x and y)"
     assert cells[1].text == "seals along y, leaks along x"
     ends = {f"critical_constriction_y_{end}": ("load", [0.0, 0.0, 0.0]) for end in ("lower", "upper")}
-    words = [_seals(numbers.assign(ends), units, index).precision for index in range(3)]
+    words = [glance._seals(numbers.assign(ends), units, index).precision for index in range(3)]
     assert words == ["decided", "not decided", "decided"]
-    assert cells[2] == Cell("seals", "gap closed along x and y")
+    assert cells[2] == glance.Cell("seals", "gap closed along x and y")
     assert _closing(numbers) == "along x between 2.00 MPa and 5.00 MPa; along y between 1.00 MPa and 2.00 MPa"
-    assert _seals(numbers.assign(window_length_y=float("nan")), units, 0).text == NOT_JUDGED
-    assert _seals(numbers.drop_vars("gap_percolates_x"), units, 0).text == NOT_JUDGED
+    assert glance._seals(numbers.assign(window_length_y=float("nan")), units, 0).text == glance.NOT_JUDGED
+    assert glance._seals(numbers.drop_vars("gap_percolates_x"), units, 0).text == glance.NOT_JUDGED
 
 
 def test_the_leak_rate_of_a_seal_stands_beside_the_answer():
@@ -133,14 +120,14 @@ def test_the_leak_rate_of_a_seal_stands_beside_the_answer():
             "leak_rate_y": ("load", [0.0]),
         }
     )
-    cell = _seals(numbers, *glance_units([numbers]), 0)
+    cell = glance._seals(numbers, *glance.glance_units([numbers]), 0)
     assert cell.text == "seals along y, leaks along x"
     assert cell.details.replace("\N{NO-BREAK SPACE}", " ") == (
         "leak rate 3600 ml/(h m) (x); narrowest place 2.00 µm (x)"
     )
     unsolved = numbers.assign(leak_rate_x=("load", [np.nan]))  # its flow did not converge
     two_loads = xr.concat([numbers, unsolved], "load", data_vars="minimal")
-    details = _seals(two_loads, *glance_units([numbers]), 1).details
+    details = glance._seals(two_loads, *glance.glance_units([numbers]), 1).details
     assert details.startswith("leak rate not known (x); narrowest place")
 
 
@@ -150,7 +137,7 @@ def test_lengths_of_the_table_have_one_unit_and_pressures_that_of_the_material(m
         for factor, modulus in ((1.0, 4e9), (0.02, 4e9), (1.0, 4e6))
     ]
     results = [rc.contact_statistics(contact) for contact in contacts]
-    rows = [glance_rows(*pair)[0] for pair in zip(results, glance_units(results), strict=True)]
+    rows = [glance.glance_rows(*pair)[0] for pair in zip(results, glance.glance_units(results), strict=True)]
     units_of_cells = [[cell.text.partition(" ")[2] for cell in row[:4]] for row in rows]
     assert units_of_cells == [["MPa", "%", "MPa", units_of_cells[0][3]]] * 2 + [
         ["kPa", "%", "kPa", units_of_cells[0][3]]
@@ -171,25 +158,25 @@ def test_whether_a_body_yields_is_answered_where_it_can_be():
     )
 
     def answer(numbers):
-        return _yields(numbers, {}, 0)
+        return glance._yields(numbers, {}, 0)
 
-    assert answer(load.assign(hardness=3e9)) == Cell("yes", "25.0 % of the load flows")
+    assert answer(load.assign(hardness=3e9)) == glance.Cell("yes", "25.0 % of the load flows")
     below_surface = load.assign(load_share_above_hardness=0.0, hardness=3e9)
-    assert answer(below_surface) == Cell("yes", "below the surface")
+    assert answer(below_surface) == glance.Cell("yes", "below the surface")
     limited = below_surface.assign(volume_above_yield=0.0, max_pressure=3e9)
-    assert answer(limited) == Cell("no", "hardness just reached")
+    assert answer(limited) == glance.Cell("no", "hardness just reached")
     elastic = below_surface.assign(volume_above_yield=0.0, max_pressure=1e9)
-    assert answer(elastic.assign(max_pressure_upper=2e9)) == Cell(
+    assert answer(elastic.assign(max_pressure_upper=2e9)) == glance.Cell(
         "no", "hardness nowhere reached", precision="decided"
     )
-    assert answer(elastic.assign(max_pressure_upper=3e9)) == Cell(
+    assert answer(elastic.assign(max_pressure_upper=3e9)) == glance.Cell(
         "no", "hardness nowhere reached", precision="not decided"
     )
-    assert answer(load.assign(volume_above_yield=0.0)) == Cell("no", "yield stress nowhere reached")
-    assert answer(load.assign(volume_above_yield=np.inf)) == Cell("yes", "below the surface")
+    assert answer(load.assign(volume_above_yield=0.0)) == glance.Cell("no", "yield stress nowhere reached")
+    assert answer(load.assign(volume_above_yield=np.inf)) == glance.Cell("yes", "below the surface")
     unknown = load.drop_vars("volume_above_yield")
-    assert answer(unknown) == Cell(NOT_JUDGED, "no hardness stated; metals would")
-    assert answer(unknown.assign(contact_modulus=1e6)) == Cell(NOT_JUDGED, "rubber-like")
+    assert answer(unknown) == glance.Cell(glance.NOT_JUDGED, "no hardness stated; metals would")
+    assert answer(unknown.assign(contact_modulus=1e6)) == glance.Cell(glance.NOT_JUDGED, "rubber-like")
 
 
 @pytest.mark.parametrize("name", ["gap", "patch"])
@@ -248,9 +235,9 @@ def test_periodic_results_beside_those_of_a_finite_body(tmp_path):
     series = {
         (labels["surface"], labels["case"]): data for labels, data in solved_results(collect_statistics(runs))
     }
-    loads = {case: glance_rows(data)[0][0].text for (_, case), data in series.items()}
+    loads = {case: glance.glance_rows(data)[0][0].text for (_, case), data in series.items()}
     assert loads == {"whole": "1.00 MPa", "free": "1.00 mN", "free2": "2.00 mN"}
-    assert load_heading([*series.values()]) == "load"
+    assert glance.load_heading([*series.values()]) == "load"
     ((_, text),) = _comparisons(series, {}, has_groups=False, large=True)
     assert "theories" in text
     assert _comparisons(dict([*series.items()][1:]), {}, has_groups=False, large=True) == []
@@ -263,7 +250,7 @@ def test_a_remark_of_several_answers_stands_once_in_the_line():
     load |= {"max_pressure": 1e8, "mean_gap": 1e-7, "load_share_above_hardness": 0.3}
     names = {name: ("load", [value]) for name, value in load.items()}
     numbers = xr.Dataset(names | {"hardness": 1e8, "contact_modulus": 1e9})
-    line = answer_line(numbers, 0, glance_rows(numbers, indices=[0])[0])
+    line = glance.answer_line(numbers, 0, glance.glance_rows(numbers, indices=[0])[0])
     assert line.count("hardness taken as exact") == 1
     assert line.endswith("; hardness taken as exact.")
 
@@ -280,7 +267,7 @@ def test_the_total_of_a_joint_comes_first_with_what_is_allowed():
     surface = {"allowed_resistance": 1e-3, "resistance_holds_from": 1e6, "contact_modulus": 1e11}
     surface |= {"resistance_holds_from_lower": 0.0, "resistance_holds_from_upper": 1e6}
     numbers = xr.Dataset({name: ("load", [value]) for name, value in joint.items()} | surface)
-    line = answer_line(numbers, 0, glance_rows(numbers, indices=[0])[0])
+    line = glance.answer_line(numbers, 0, glance.glance_rows(numbers, indices=[0])[0])
     start = "Resistance 0.0050 ± 0.0010 mΩ of at most 1.00 mΩ: holds, at 1.00 MPa already. At 1.00 MPa: "
     assert line.startswith(start)
 
@@ -294,7 +281,7 @@ def test_the_conductance_of_a_joint_is_that_with_its_gas():
         "mean_contact_pressure": 5e6,
     }
     load = {name: ("load", [value]) for name, value in heat.items()}
-    (cells,) = glance_rows(xr.Dataset(load | {"contact_modulus": 1e11}), indices=[0])
-    cell = cells[1 + COLUMN_NAMES.index("conductance")]
+    (cells,) = glance.glance_rows(xr.Dataset(load | {"contact_modulus": 1e11}), indices=[0])
+    cell = cells[1 + glance.COLUMN_NAMES.index("conductance")]
     assert cell.text == "260 kW/(m² K)"
     assert cell.details.endswith("heat, with film and gas")

@@ -4,12 +4,12 @@ import json
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 
 from roughcontact.arguments.maps import height_map
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.surface.levelling.level import level
 from roughcontact.surface.roughness import parameters
-from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.surface.window.band import limit_band, reliable_wavelength
 from roughcontact.surface.window.periodic_window import periodic_window
 
@@ -56,9 +56,7 @@ def test_no_limit_changes_nothing_and_says_what_the_grid_holds():
 
 
 def test_variances_add_up():
-    height = self_affine_surface(
-        (64, 81), (2e-6, 1e-6), hurst=0.5, shortest=4e-6, longest=100e-6, rms_height=1e-6
-    )
+    height = self_affine((64, 81), (2e-6, 1e-6), (4e-6, 100e-6), hurst=0.5, rms_height=1e-6)
     band = limited(height, shortest=10e-6, longest=50e-6)
     removed = band.attrs["band_removed_rms_height"]
     assert parameters.rms_height(band) ** 2 + removed**2 == pytest.approx(1e-12, rel=1e-9)
@@ -107,18 +105,13 @@ def test_the_window_can_be_limited_to_what_the_lens_resolves():
 
 
 def test_a_cut_window_is_limited_after_it_is_made_periodic():
-    rough = self_affine_surface(
-        (128, 128), 1e-6, hurst=0.7, shortest=4e-6, longest=100e-6, rms_height=1e-6, seed=1
-    )
+    rough = self_affine((128, 128), 1e-6, (4e-6, 100e-6), hurst=0.7, rms_height=1e-6, seed=1)
     levelled = level(rough.isel(y=slice(0, 100), x=slice(0, 90)))
     window = periodic_window(levelled, shortest_wavelength=12e-6)
     assert window.attrs["periodisation"] == "smooth-cross-fade"
     assert parameters.shortest_wavelength(window) >= 12e-6 * 0.95
     full = periodic_window(levelled)
-    gradient_before, removed = (
-        full.attrs["rms_gradient_after"],
-        window.attrs["band_removed_rms_gradient"],
-    )
+    gradient_before, removed = (full.attrs["rms_gradient_after"], window.attrs["band_removed_rms_gradient"])
     assert np.hypot(window.attrs["rms_gradient_after"], removed) == pytest.approx(gradient_before, rel=1e-9)
     assert window.attrs["periodisation_rms_change"] == full.attrs["periodisation_rms_change"]
 

@@ -9,9 +9,7 @@ import pytest
 from scipy.special import ndtri
 from shared_data import DATA
 
-from roughcontact.arguments.maps import height_map
-from roughcontact.io.read import read_height_map
-from roughcontact.surface.levelling.level import level
+from roughcontact import height_map, level, read_height_map
 from roughcontact.surface.roughness.bearing import bearing_parameters
 from roughcontact.surface.roughness.heights import height_parameters
 from validation.closed_forms import gaussian_bearing

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map
-from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact import height_map, self_affine_surface
 from roughcontact.uncertainty.groups import to_scale
 
 

@@ -9,17 +9,12 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from roughcontact import SettingsError, error_budget, height_map, level, periodic_window, solve_contact
 from roughcontact.arguments import choices
 from roughcontact.arguments.checking import check_choice
-from roughcontact.arguments.maps import height_map
 from roughcontact.arguments.settings.models import Contact, Level, Uncertainty, Window
 from roughcontact.contact.elasticity.halfspace import zero_frequency_compliance
 from roughcontact.contact.elasticity.influence import INFLUENCE
-from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import SettingsError
-from roughcontact.surface.levelling.level import level
-from roughcontact.surface.window.periodic_window import periodic_window
-from roughcontact.uncertainty.budget import error_budget
 from validation.crosscheck import CODES, OutsideCode
 
 SECTIONS = [(Level, level), (Window, periodic_window), (Contact, solve_contact)]

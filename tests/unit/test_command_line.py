@@ -14,19 +14,19 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 from shared_data import DATA
 
 import roughcontact as rc
+from roughcontact import inspect_file, self_affine_surface, with_interval
 from roughcontact.arguments.choices import UncertaintySource
 from roughcontact.arguments.maps import spacing
-from roughcontact.arguments.quantities import quantity, with_interval
+from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.settings.models import Contact, Level, Uncertainty, Window
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.interface.command_line.describe import labelled_line
 from roughcontact.interface.command_line.options import add_settings, chosen_settings, message_with_options
 from roughcontact.interface.program import main
-from roughcontact.io.inspection import inspect_file
-from roughcontact.surface.synthetic import self_affine_surface
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "data_samples"
@@ -39,9 +39,7 @@ NO_BUDGET = ["--uncertainty-sources"]  # none of them: the ± takes most of the 
 def small(tmp_path_factory):
     """Return the path of a map that is solved in no time."""
     path = tmp_path_factory.mktemp("maps") / "small.nc"
-    height = self_affine_surface(
-        (48, 64), 1e-6, hurst=0.8, shortest=6e-6, longest=24e-6, rms_height=2e-7, seed=4
-    )
+    height = self_affine((48, 64), 1e-6, (6e-6, 24e-6), rms_height=2e-7, seed=4)
     height.to_netcdf(path)
     return str(path)
 

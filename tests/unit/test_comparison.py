@@ -7,12 +7,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact.arguments.maps import height_map
-from roughcontact.errors import InputFileError
+from roughcontact import InputFileError, compare_statistics, height_map, write_dataset
 from roughcontact.interface.program import main
 from roughcontact.results.collect import collect_statistics
-from roughcontact.results.comparison import compare_statistics
-from roughcontact.results.storage import write_dataset
 
 LOADS = [1e6, 5e6]
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scipy
 import xarray as xr
+from known_surfaces import self_affine
 
 import roughcontact as rc
 from roughcontact.arguments.maps import height_map
@@ -21,9 +22,7 @@ MODULUS = 2e9
 
 
 def rough(shape=(64, 48), spacing=(1e-6, 1.5e-6), seed=1, gradient=0.1):
-    return synthetic.self_affine_surface(
-        shape, spacing, hurst=0.8, shortest=8e-6, longest=80e-6, rms_gradient=gradient, seed=seed
-    )
+    return self_affine(shape, spacing, (8e-6, 80e-6), rms_gradient=gradient, seed=seed)
 
 
 @pytest.fixture(scope="module")
@@ -125,10 +124,7 @@ def test_a_number_of_threads_is_one_or_more(threads):
 def test_progress_is_told_after_every_load():
     calls = []
     rc.solve_contact(
-        rough(),
-        contact_modulus=MODULUS,
-        mean_pressure=[1e7, 5e6],
-        progress=lambda *call: calls.append(call),
+        rough(), contact_modulus=MODULUS, mean_pressure=[1e7, 5e6], progress=lambda *call: calls.append(call)
     )
     assert [call[:2] for call in calls] == [(1, 2), (2, 2)]
     assert "5e+06 Pa" in calls[0][2]
@@ -266,9 +262,7 @@ def relative_numbers(window, *, modulus, pressure):
 
 def test_relative_numbers_do_not_depend_on_units_position_or_orientation():
     spacing = 1e-6
-    window = synthetic.self_affine_surface(
-        (48, 48), spacing, hurst=0.8, shortest=8e-6, longest=48e-6, rms_gradient=0.1, seed=5
-    )
+    window = self_affine((48, 48), spacing, (8e-6, 48e-6), rms_gradient=0.1, seed=5)
     values, pressure = window.values, 0.1 * 0.1 * MODULUS
     expected = relative_numbers(window, modulus=MODULUS, pressure=pressure)
 
@@ -394,9 +388,7 @@ def test_a_load_that_rounding_hides_behind_the_residual_is_carried(load):
 @pytest.mark.parametrize("aspect", [1000.0, 30.0, 1 / 30, 1e-3])
 @pytest.mark.parametrize("relative", [0.01, 0.1, 1.0])
 def test_elongated_pixels_need_no_more_than_a_few_times_the_work(aspect, relative):
-    square = synthetic.self_affine_surface(
-        (128, 128), 1.0, hurst=0.8, shortest=8.0, longest=64.0, rms_gradient=0.1, seed=2
-    )
+    square = self_affine((128, 128), 1.0, (8.0, 64.0), rms_gradient=0.1, seed=2)
     window = height_map(square.values, (aspect, 1.0))
     loads = plan_loads(window, contact_modulus=1.0, relative_pressure=relative)
     contact = rc.solve_contact(window, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-6)
@@ -417,12 +409,8 @@ def test_a_cell_much_longer_than_wide_takes_no_more_work_than_a_square_one(rows,
 
 
 AWKWARD = {
-    "prime sides": synthetic.self_affine_surface(
-        (61, 53), 1.0, hurst=0.8, shortest=6.0, longest=50.0, rms_gradient=0.1, seed=1
-    ).values,
-    "two rows": synthetic.self_affine_surface(
-        (2, 256), 1.0, hurst=0.8, shortest=6.0, longest=200.0, rms_gradient=0.1, seed=1
-    ).values,
+    "prime sides": self_affine((61, 53), 1.0, (6.0, 50.0), rms_gradient=0.1, seed=1).values,
+    "two rows": self_affine((2, 256), 1.0, (6.0, 200.0), rms_gradient=0.1, seed=1).values,
     "white noise": np.random.default_rng(0).standard_normal((64, 64)),
     "plateaus": np.round(np.random.default_rng(0).standard_normal((64, 64))),
     "checkerboard": np.indices((64, 64)).sum(axis=0) % 2.0,

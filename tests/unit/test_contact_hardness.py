@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 from scipy.optimize import lsq_linear
 
 import roughcontact as rc
-from roughcontact.surface import synthetic
 
 MODULUS = 1e9
 
@@ -64,9 +64,7 @@ def test_random_maps_equal_a_dense_solution(seed):
 
 
 def rough():
-    return synthetic.self_affine_surface(
-        (128, 128), 1e-6, hurst=0.8, shortest=8e-6, longest=64e-6, rms_gradient=0.1, seed=2
-    )
+    return self_affine((128, 128), 1e-6, (8e-6, 64e-6), rms_gradient=0.1, seed=2)
 
 
 def test_hardness_above_the_peak_changes_nothing_and_a_low_one_makes_the_area_plastic():
@@ -93,9 +91,7 @@ def test_a_load_that_no_contact_carries_is_refused():
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_a_hardness_that_single_precision_rounds_takes_no_more_than_others(seed):
     """The first steps are taken in single precision, where the hardness is another number."""
-    profile = synthetic.self_affine_surface(
-        (1, 1024), 1e-6, hurst=0.8, shortest=8e-6, longest=256e-6, rms_gradient=0.1, seed=seed
-    )
+    profile = self_affine((1, 1024), 1e-6, (8e-6, 256e-6), rms_gradient=0.1, seed=seed)
     unit = 0.1 * MODULUS
     rounded = np.float32(0.7)
     assert float(rounded) < 0.7

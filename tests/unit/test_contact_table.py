@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
@@ -300,9 +301,7 @@ def test_closed_gaps_of_conductors_are_no_warning():
 
 def test_the_table_of_cuts_holds_that_of_the_whole_surface():
     """Curves of a surface that is nine times as large lie within the ends in nine of ten rows."""
-    large_surface = rc.self_affine_surface(
-        (384, 384), 1e-6, hurst=0.8, shortest=4e-6, longest=4e-5, rms_height=3e-7, seed=2
-    )
+    large_surface = self_affine((384, 384), 1e-6, (4e-6, 4e-5), rms_height=3e-7, seed=2)
     true = rc.contact_table(large_surface, contact_modulus="1 GPa", loads=12).sortby("mean_gap")
     sigma = true.attrs["rms_height"]
     inside = []

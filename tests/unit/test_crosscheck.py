@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map
-from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact import HeightMapError, SettingsError, height_map
 from roughcontact.surface import synthetic
 from validation import closed_forms
 from validation.crosscheck import CrossCheckError, crosscheck, main, table
@@ -44,15 +44,9 @@ def solved(height, *, fields=True):
 
 
 MAPS = {
-    "map": synthetic.self_affine_surface(
-        (20, 16), (2e-6, 1e-6), hurst=0.8, shortest=8e-6, longest=16e-6, rms_gradient=0.1, seed=1
-    ),
-    "odd rows": synthetic.self_affine_surface(
-        (45, 36), (2e-6, 1e-6), hurst=0.8, shortest=6e-6, longest=24e-6, rms_gradient=0.1, seed=1
-    ),
-    "odd": synthetic.self_affine_surface(
-        (15, 21), 1e-6, hurst=0.8, shortest=5e-6, longest=15e-6, rms_gradient=0.1, seed=2
-    ),
+    "map": self_affine((20, 16), (2e-6, 1e-6), (8e-6, 16e-6), rms_gradient=0.1, seed=1),
+    "odd rows": self_affine((45, 36), (2e-6, 1e-6), (6e-6, 24e-6), rms_gradient=0.1, seed=1),
+    "odd": self_affine((15, 21), 1e-6, (5e-6, 15e-6), rms_gradient=0.1, seed=2),
     "row": synthetic.westergaard_surface((1, 32), 1e-6, amplitude=1e-6, wavelength=32e-6),
     "column": height_map(1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)[:, None], 1e-6),
 }
@@ -94,10 +88,7 @@ def test_a_difference_is_shown(python_other):
 
 @pytest.mark.parametrize(
     ("python", "message"),
-    [
-        ("/nowhere/python", "'/nowhere/python' does not start"),
-        (sys.executable, "No module named 'tamaas'"),
-    ],
+    [("/nowhere/python", "'/nowhere/python' does not start"), (sys.executable, "No module named 'tamaas'")],
 )
 def test_a_code_that_does_not_run_is_named(python, message):
     contact, statistics = solved(MAPS["row"])

@@ -4,15 +4,12 @@ import json
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 from scipy.optimize import brentq
 
-from roughcontact.arguments.maps import height_map
-from roughcontact.errors import HeightMapError
+from roughcontact import HeightMapError, height_map, level, periodic_window
 from roughcontact.surface.levelling.curved import fit_curved_form
 from roughcontact.surface.levelling.forms import form_from_record
-from roughcontact.surface.levelling.level import level
-from roughcontact.surface.synthetic import self_affine_surface
-from roughcontact.surface.window.periodic_window import periodic_window
 
 Y, X = (np.arange(120) + 0.5) * 10e-6, (np.arange(160) + 0.5) * 7.5e-6
 
@@ -131,9 +128,7 @@ def test_points_beyond_the_rim_are_an_error():
 
 
 def test_roughness_on_a_ball_is_what_is_left():
-    rough = self_affine_surface(
-        (120, 160), (10e-6, 7.5e-6), hurst=0.8, shortest=40e-6, longest=200e-6, rms_height=1e-7, seed=3
-    )
+    rough = self_affine((120, 160), (10e-6, 7.5e-6), (40e-6, 200e-6), rms_height=1e-7, seed=3)
     height = rough.copy(data=rough.values + ball(5e-3, (0.6e-3, 0.6e-3, 0)))
     levelled = level(height, form="sphere")
     assert levelled.values.std() == pytest.approx(1e-7, rel=2e-2)

@@ -99,13 +99,7 @@ def test_an_edit_concerns_what_imports_the_module(package, edited, concerned):
     assert {name for name in digests_before if digests_before[name] != digests_after[name]} == concerned
 
 
-@pytest.mark.parametrize(
-    "edited",
-    [
-        "scripts/_job.py",
-        "lib/roughcontact/arguments/variables.tsv",
-    ],
-)
+@pytest.mark.parametrize("edited", ["scripts/_job.py", "lib/roughcontact/arguments/variables.tsv"])
 def test_an_edit_of_what_all_share_concerns_all(package, edited):
     digests_before = digests(package)
     path = package / edited

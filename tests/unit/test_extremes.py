@@ -7,32 +7,20 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from roughcontact import errors
 from roughcontact.arguments.maps import height_map
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import (
-    ConvergenceError,
-    HeightMapError,
-    HeightMapWarning,
-    RoughContactError,
-    SettingsError,
-)
 from roughcontact.evaluation.evaluate import contact_table, evaluate
 from roughcontact.results.storage import read_dataset, write_dataset
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.surface import synthetic
 from roughcontact.surface.levelling.level import level
-from roughcontact.surface.synthetic import (
-    ground_surface,
-    product_wave_surface,
-    rough_reference_surface,
-    self_affine_surface,
-    turned_surface,
-)
 from roughcontact.surface.window.periodic_window import periodic_window
 
 BAND = {"hurst": 0.8, "shortest": 4e-6, "longest": 16e-6, "rms_gradient": 0.1}
-SURFACE = self_affine_surface((32, 32), 1e-6, **BAND, seed=1)
-PROFILE = self_affine_surface((1, 256), 1e-6, **BAND | {"longest": 64e-6}, seed=2)
+SURFACE = synthetic.self_affine_surface((32, 32), 1e-6, **BAND, seed=1)
+PROFILE = synthetic.self_affine_surface((1, 256), 1e-6, **BAND | {"longest": 64e-6}, seed=2)
 MODULUS, PRESSURE = 1e9, 1e6
 
 
@@ -67,7 +55,7 @@ def on_pixels(values, pixel):
     ],
 )
 def test_a_setting_that_nothing_can_be_made_of(options, message):
-    with pytest.raises(SettingsError, match=message):
+    with pytest.raises(errors.SettingsError, match=message):
         solved(**options)
 
 
@@ -83,7 +71,7 @@ def test_a_setting_that_nothing_can_be_made_of(options, message):
     ],
 )
 def test_a_map_that_nothing_can_be_made_of(window, message):
-    with pytest.raises(HeightMapError, match=message):
+    with pytest.raises(errors.HeightMapError, match=message):
         solved(window)
 
 
@@ -102,19 +90,19 @@ NO_MAPS = {
 @pytest.mark.parametrize("what", NO_MAPS)
 def test_what_is_no_height_map(verb, what):
     value, message = NO_MAPS[what]
-    with pytest.raises(HeightMapError, match=message):
+    with pytest.raises(errors.HeightMapError, match=message):
         verb(value)
 
 
 @pytest.mark.parametrize("verb", [solved, level, periodic_window])
 def test_positions_in_words_are_refused(verb):
     words = SURFACE.assign_coords(x=SURFACE.x.astype(str))
-    with pytest.raises(HeightMapError, match="coordinate 'x' of the map holds values of type <U"):
+    with pytest.raises(errors.HeightMapError, match="coordinate 'x' of the map holds values of type <U"):
         verb(words)
 
 
 def test_relative_loads_are_numbers_too():
-    with pytest.raises(SettingsError, match="relative_pressure = True"):
+    with pytest.raises(errors.SettingsError, match="relative_pressure = True"):
         plan_loads(SURFACE, contact_modulus=MODULUS, relative_pressure=True)
 
 
@@ -160,7 +148,9 @@ def test_just_below_the_hardness_nearly_all_of_it_yields():
 
 
 def test_single_precision_that_cannot_reach_the_tolerance_says_so_before_the_first_step():
-    with pytest.raises(ConvergenceError, match=r"single precision allows no error bound below .* double"):
+    with pytest.raises(
+        errors.ConvergenceError, match=r"single precision allows no error bound below .* double"
+    ):
         solved(precision="single", tolerance=1e-7)
     flagged = solved(precision="single", tolerance=1e-7, on_failure="flag")
     assert not flagged["converged"]
@@ -175,7 +165,9 @@ def test_a_tolerance_just_above_the_floor_of_single_precision_is_reached():
 
 def test_reducing_to_an_unknown_variable_is_refused_after_the_first_load():
     calls = []
-    with pytest.raises(RoughContactError, match=r"no description for the output variables \['mean_depth'\]"):
+    with pytest.raises(
+        errors.RoughContactError, match=r"no description for the output variables \['mean_depth'\]"
+    ):
         solve_contact(
             SURFACE,
             contact_modulus=MODULUS,
@@ -208,21 +200,23 @@ def test_a_quantity_of_the_users_own_keeps_its_description(tmp_path):
     ],
 )
 def test_a_filter_that_no_map_has(settings, message):
-    with pytest.raises(SettingsError, match=message):
+    with pytest.raises(errors.SettingsError, match=message):
         level(SURFACE, **settings)
 
 
 @pytest.mark.parametrize("verb", [level, periodic_window])
 def test_heights_that_no_surface_has(verb):
     for factor, message in ((1e207, r"5.30119e\+200"), (1e-313, "5.3.*e-320")):
-        with pytest.raises(HeightMapError, match=rf"the map has heights of {message} m: check the unit"):
+        with pytest.raises(
+            errors.HeightMapError, match=rf"the map has heights of {message} m: check the unit"
+        ):
             verb(SURFACE * factor)
 
 
 @pytest.mark.parametrize("form", ["sphere", "cylinder"])
 def test_a_needle_is_no_ball(form):
     with pytest.raises(
-        HeightMapError, match=f"a {form} cannot have a range of heights of .*: check the unit"
+        errors.HeightMapError, match=f"a {form} cannot have a range of heights of .*: check the unit"
     ):
         level(SURFACE * 1e20, form=form)
 
@@ -231,32 +225,32 @@ def test_a_needle_is_no_ball(form):
 def test_a_map_of_few_points_is_solved_with_a_warning(shape):
     small_map = on_pixels(1e-7 * np.random.default_rng(3).standard_normal(shape), 1e-6)
     message = rf"^the map has {shape[0]} x {shape[1]} points: .* check how it was cut or read$"
-    with pytest.warns(HeightMapWarning, match=message):
+    with pytest.warns(errors.HeightMapWarning, match=message):
         contact = solved(small_map)
-    with pytest.warns(HeightMapWarning, match=message):
+    with pytest.warns(errors.HeightMapWarning, match=message):
         contact_statistics(contact)
 
 
 @pytest.mark.parametrize("factor", [31.0, 1e30])
 def test_slopes_beyond_any_surface_are_solved_with_a_warning(factor):
     steep = SURFACE * factor
-    with pytest.warns(HeightMapWarning, match="the units of heights and positions differ") as caught:
+    with pytest.warns(errors.HeightMapWarning, match="the units of heights and positions differ") as caught:
         contact = solved(steep, mean_pressure=0.1 * factor * PRESSURE)
     assert [warning.filename for warning in caught] == [__file__]
-    with pytest.warns(HeightMapWarning, match=re.escape(f"is {0.1 * factor:.3g}, steeper")):
+    with pytest.warns(errors.HeightMapWarning, match=re.escape(f"is {0.1 * factor:.3g}, steeper")):
         contact_statistics(contact)
 
 
 def test_usual_maps_are_solved_without_a_warning():
     with warnings.catch_warnings():
-        warnings.simplefilter("error", HeightMapWarning)
+        warnings.simplefilter("error", errors.HeightMapWarning)
         for window in (SURFACE, PROFILE, SURFACE * 29, SURFACE[:4, :4]):
             contact_statistics(solved(window))
 
 
 def test_evaluate_says_each_of_it_once():
     small_map = on_pixels(1e-7 * np.random.default_rng(3).standard_normal((3, 3)), 1e-6)
-    with pytest.warns(HeightMapWarning, match="3 x 3 points") as caught:
+    with pytest.warns(errors.HeightMapWarning, match="3 x 3 points") as caught:
         evaluate(small_map, contact={"contact_modulus": MODULUS, "mean_pressure": [PRESSURE]})
     assert sum("3 x 3" in str(warning.message) for warning in caught) == 1
 
@@ -269,12 +263,12 @@ def wave(points):
 PERIODIC = {
     "rough": SURFACE,
     "profile": PROFILE,
-    "reference": rough_reference_surface(64),
-    "lay": ground_surface((48, 64), 1e-6, hurst=0.8, shortest=4e-6, longest=6e-5, rms_height=1e-7),
-    "grooves": turned_surface((4, 160), 1e-6, feed=4e-5, nose_radius=4e-4, groove_scatter=1e-7),
-    "one groove": turned_surface((1, 64), 1e-6, feed=64e-6, nose_radius=4e-4),
-    "product": product_wave_surface((32, 48), 1e-6, amplitude=1e-7, wavelength=16e-6),
-    "coarse": product_wave_surface((4, 4), 1e-6, amplitude=1e-7, wavelength=4e-6),
+    "reference": synthetic.rough_reference_surface(64),
+    "lay": synthetic.ground_surface((48, 64), 1e-6, hurst=0.8, shortest=4e-6, longest=6e-5, rms_height=1e-7),
+    "grooves": synthetic.turned_surface((4, 160), 1e-6, feed=4e-5, nose_radius=4e-4, groove_scatter=1e-7),
+    "one groove": synthetic.turned_surface((1, 64), 1e-6, feed=64e-6, nose_radius=4e-4),
+    "product": synthetic.product_wave_surface((32, 48), 1e-6, amplitude=1e-7, wavelength=16e-6),
+    "coarse": synthetic.product_wave_surface((4, 4), 1e-6, amplitude=1e-7, wavelength=4e-6),
     "three points": wave(3),
     "noise": on_pixels(1e-8 * np.random.default_rng(0).standard_normal((40, 60)), 1e-6),
     "noise of a line": on_pixels(1e-8 * np.random.default_rng(0).standard_normal((1, 60)), 1e-6),
@@ -294,7 +288,7 @@ def test_periodic_maps_are_solved_without_a_warning(name, turned):
     for shift in (0, 5):
         rolled = height.roll(x=shift, y=shift)
         with warnings.catch_warnings():
-            warnings.filterwarnings("error", "the map is not periodic", HeightMapWarning)
+            warnings.filterwarnings("error", "the map is not periodic", errors.HeightMapWarning)
             solved(rolled)
 
 
@@ -317,11 +311,13 @@ def tilted(height, slope):
 def test_a_map_that_jumps_at_its_border_is_solved_with_a_warning(height, turned):
     turned_height = height.rename(y="x", x="y").T if turned else height
     along = "y" if turned else "x"
-    with pytest.warns(HeightMapWarning, match=f"not periodic along {along}: .* periodic_window") as caught:
+    with pytest.warns(
+        errors.HeightMapWarning, match=f"not periodic along {along}: .* periodic_window"
+    ) as caught:
         solved(turned_height)
     assert [warning.filename for warning in caught] == [__file__] * len(caught)
     with warnings.catch_warnings():
-        warnings.simplefilter("error", HeightMapWarning)
+        warnings.simplefilter("error", errors.HeightMapWarning)
         solved(periodic_window(turned_height, method="raw"))  # on purpose
-    with pytest.warns(HeightMapWarning, match=f"not periodic along {along}"):
+    with pytest.warns(errors.HeightMapWarning, match=f"not periodic along {along}"):
         contact_table(turned_height, contact_modulus=MODULUS, loads=1)

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 from scipy import ndimage
 from shared_data import DATA
 
@@ -12,7 +13,6 @@ from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.io.read import read_height_map
 from roughcontact.surface.levelling.filters import gaussian_mean_surface
 from roughcontact.surface.levelling.level import level
-from roughcontact.surface.synthetic import self_affine_surface
 
 # Plane removed, Gaussian low-pass of surfalize 0.19.2 (heights read by SurfaceTopography 1.27.1): nesting
 # index, m, and the mean surface, m, in the middle [ny//2, nx//2] and at (+20, -30) and (-40, +10) from there.
@@ -102,9 +102,7 @@ def test_other_software_filters_the_same(name, nesting_index):
 
 
 def test_levelling_takes_off_short_and_long_waves_and_records_them():
-    rough = self_affine_surface(
-        (200, 240), 1e-6, hurst=0.8, shortest=4e-6, longest=100e-6, rms_height=1e-6, seed=1
-    )
+    rough = self_affine((200, 240), 1e-6, (4e-6, 100e-6), rms_height=1e-6, seed=1)
     plain = level(rough, outlier_threshold=None)
     both_filters = level(rough, outlier_threshold=None, s_filter=8e-6, l_filter=40e-6)
     smooth = gaussian_mean_surface(plain.values, (1e-6, 1e-6), 8e-6)
@@ -121,9 +119,7 @@ def test_levelling_takes_off_short_and_long_waves_and_records_them():
 
 
 def test_filters_leave_missing_points_missing_and_fill_them_after():
-    rough = self_affine_surface(
-        (80, 90), 1e-6, hurst=0.8, shortest=4e-6, longest=50e-6, rms_height=1e-6, seed=2
-    )
+    rough = self_affine((80, 90), 1e-6, (4e-6, 50e-6), rms_height=1e-6, seed=2)
     rough.values[30:36, 40:50] = np.nan
     levelled = level(rough, outlier_threshold=None, l_filter=30e-6)
     assert np.isfinite(levelled.values).all()

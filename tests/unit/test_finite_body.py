@@ -5,14 +5,15 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 from read_charts import read_chart
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 from scipy.special import ellipk
 
 import roughcontact as rc
+from roughcontact import height_map, read_dataset
 from roughcontact.arguments.finite_body import recover_roughness
-from roughcontact.arguments.maps import height_map
 from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.settings.stages import stage_settings
@@ -28,7 +29,6 @@ from roughcontact.report.load_plots import area_against_load
 from roughcontact.report.map_plots import pressure_map
 from roughcontact.report.panel import _fields
 from roughcontact.report.tables import material_table, number_tables
-from roughcontact.results.storage import read_dataset
 from roughcontact.statistics.contact_checks import plasticity
 from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
 from roughcontact.statistics.finite_body import hertz_contact
@@ -49,9 +49,7 @@ LAYERED = {
 
 
 def ground(rms_height, shape=(160, 200)):
-    return rc.self_affine_surface(
-        shape, 5e-6, hurst=0.8, shortest=20e-6, longest=200e-6, rms_height=rms_height, seed=3
-    )
+    return self_affine(shape, 5e-6, (20e-6, 200e-6), rms_height=rms_height, seed=3)
 
 
 @pytest.mark.parametrize(("radius", "warns"), [("2 mm", True), (None, False)])
@@ -459,9 +457,7 @@ def test_the_budget_of_a_body_with_edges_is_over_its_area():
 
 
 def test_the_height_of_edges_is_no_steep_map(recwarn):
-    rough = rc.self_affine_surface(
-        (48, 48), 1e-6, hurst=0.8, shortest=8e-6, longest=48e-6, rms_gradient=0.1, seed=3
-    )
+    rough = self_affine((48, 48), 1e-6, (8e-6, 48e-6), rms_gradient=0.1, seed=3)
     settings = {"contact": FREE | {"force": "10 mN"}, "form": {"edges": True}, "uncertainty": {"sources": []}}
     assert rc.evaluate(rough, **settings)["rms_gradient"] < 0.2
     assert not recwarn
@@ -679,10 +675,7 @@ def test_resistance_of_the_whole_contact_lies_between_rayleigh_and_thomson(power
         ({"contact": {"boundary": "free", "mean_pressure": 1e6}}, r"contact.force: missing.* mean_pressure"),
         ({"contact": FREE | {"area": "1 cm2"}}, r"contact.area = 0.0001: is for periodic maps"),
         ({"contact": FREE | {"target_area": 0.1}}, r"contact.target_area = \[0.1\]: is for periodic maps"),
-        (
-            {"contact": FREE | {"zero_frequency": "lattice"}},
-            r"zero_frequency = 'lattice': the approach",
-        ),
+        ({"contact": FREE | {"zero_frequency": "lattice"}}, r"zero_frequency = 'lattice': the approach"),
         ({"contact": FREE | {"precision": "single"}}, r"contact.precision = 'single': finite bodies are"),
         ({"contact": FREE, "window": {"method": "taper"}}, r"window.method = 'taper': is for periodic maps"),
         ({"contact": FREE, "window": {"reliable_band": True}}, r"window.reliable_band = True: is for"),

@@ -11,12 +11,7 @@ from scipy.special import j0, jv
 import roughcontact as rc
 from roughcontact.arguments.maps import height_map
 from roughcontact.contact.elasticity.closed_forms import hertz, hertz_ellipse
-from roughcontact.contact.elasticity.free_space import (
-    FADE,
-    TruncatedKernel,
-    love,
-    transform_of_pixels,
-)
+from roughcontact.contact.elasticity.free_space import FADE, TruncatedKernel, love, transform_of_pixels
 from roughcontact.contact.elasticity.halfspace import HalfSpace
 from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.elasticity.layers import LayeredPair

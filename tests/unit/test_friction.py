@@ -73,8 +73,7 @@ def test_impossible_friction_is_refused(friction, text):
 def test_sliding_needs_both_conductivities():
     with pytest.raises(rc.SettingsError, match="thermal_conductivity of both bodies"):
         statistics_with(
-            {"coefficient": 0.2, "speed": 1.0},
-            bodies=[{"youngs_modulus": 1e9, "poissons_ratio": 0.3}] * 2,
+            {"coefficient": 0.2, "speed": 1.0}, bodies=[{"youngs_modulus": 1e9, "poissons_ratio": 0.3}] * 2
         )
 
 

@@ -279,10 +279,7 @@ def test_a_map_that_stands_off_is_named_and_stays():
     ("changes", "message"),
     [
         ({"modulus": 2e9}, "group g: a was solved with E* = 1.00 GPa and b with 2.00 GPa"),
-        (
-            {"load": [3e6]},
-            "group g: no load in common, b begins at 3.0000 MPa and a ends at 1.0000 MPa",
-        ),
+        ({"load": [3e6]}, "group g: no load in common, b begins at 3.0000 MPa and a ends at 1.0000 MPa"),
         ({"band_shortest": 3e-6}, "the shortest of a is 1.00 µm, that of b 3.00 µm; state one band for all"),
         (
             {"measured_by": "stylus profiler"},
@@ -496,10 +493,7 @@ def test_groups_under_two_cases_are_compared_at_the_loads_that_they_share():
     )
     assert [
         (*pair, comparison["mean_pressure"].values.tolist()) for pair, comparison in comparisons.items()
-    ] == [
-        ("first", "again", [2e6]),
-        ("first", "stiffer", [1e6, 2e6]),
-    ]
+    ] == [("first", "again", [2e6]), ("first", "stiffer", [1e6, 2e6])]
     assert comparisons["first", "again"]["ratio"].item() == pytest.approx(3.0)
     (message,) = omissions
     assert message.startswith("first and apart: no load in common, first begins at 1")

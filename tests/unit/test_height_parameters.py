@@ -10,14 +10,11 @@ import xarray as xr
 from shared_data import DATA
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map
+from roughcontact import height_map, level, periodic_window, read_height_map
 from roughcontact.arguments.si import labelled_in_si
-from roughcontact.io.read import read_height_map
 from roughcontact.statistics.contact_statistics import surface_statistics
-from roughcontact.surface.levelling.level import level
 from roughcontact.surface.roughness.heights import HEIGHT_PARAMETERS, height_parameters
 from roughcontact.surface.synthetic import ground_surface
-from roughcontact.surface.window.periodic_window import periodic_window
 
 TABLE = Path(__file__).with_name("height_parameters.csv")
 

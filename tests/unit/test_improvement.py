@@ -11,19 +11,10 @@ import scipy
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map
+from roughcontact import group_statistics, height_map, self_affine_surface
 from roughcontact.study.tiles import cut, parse_tiles
-from roughcontact.surface.synthetic import self_affine_surface
-from roughcontact.uncertainty import calibration
+from roughcontact.uncertainty import calibration, improvement
 from roughcontact.uncertainty.combination import SOURCES
-from roughcontact.uncertainty.groups import group_statistics
-from roughcontact.uncertainty.improvement import (
-    _half_widths_of_places,
-    half_width_of_mean,
-    halving_line,
-    maps_for,
-    planning_line,
-)
 from roughcontact.uncertainty.scales import AREA
 
 SIDE = 96
@@ -45,7 +36,7 @@ def promised_over_found(hurst, longest, seed):
     widths = [float(found[area].sel(source="window")[0, :2].mean() / found[AREA][0]) for found in maps]
     mean = group_statistics(maps)
     value, lower, upper = (float(mean[f"{AREA}{suffix}"][0]) for suffix in ("", "_lower", "_upper"))
-    return half_width_of_mean([float(np.median(widths))] * 2, len(maps), 0.0) / (
+    return improvement.half_width_of_mean([float(np.median(widths))] * 2, len(maps), 0.0) / (
         (upper - lower) / (2 * value)
     )
 
@@ -116,52 +107,58 @@ def statistics(widths, reasons=(), **attrs):
     ],
 )
 def test_the_largest_source_decides_what_halves_the_interval(widths, reasons, words):
-    line = halving_line(statistics(widths, reasons))
+    line = improvement.halving_line(statistics(widths, reasons))
     assert words in line
     assert ";" not in line
 
 
 def test_the_number_of_places_for_ten_percent_is_the_smallest():
-    places = int(planning_line(statistics({"window": 0.3, "solver": 0.01})).split()[0])
-    widths = _half_widths_of_places(0.3, 0.1)
-    assert half_width_of_mean(widths, places, 0.01) <= 0.1 < half_width_of_mean(widths, places - 1, 0.01)
-    assert planning_line(statistics({"window": 0.09})) == ""
-    of_hardness = planning_line(statistics({"hardness": 0.25, "window": 0.3}))
+    places = int(improvement.planning_line(statistics({"window": 0.3, "solver": 0.01})).split()[0])
+    widths = improvement._half_widths_of_places(0.3, 0.1)
+    assert (
+        improvement.half_width_of_mean(widths, places, 0.01)
+        <= 0.1
+        < improvement.half_width_of_mean(widths, places - 1, 0.01)
+    )
+    assert improvement.planning_line(statistics({"window": 0.09})) == ""
+    of_hardness = improvement.planning_line(statistics({"hardness": 0.25, "window": 0.3}))
     assert of_hardness == "no number of places, the hardness alone is ± 25.0 %"
-    unbounded = planning_line(statistics({"instrument": np.inf, "window": 0.3}))
+    unbounded = improvement.planning_line(statistics({"instrument": np.inf, "window": 0.3}))
     assert unbounded == "no number of places, the instrument alone has no bound"
 
 
 def test_what_is_known_to_a_percent_need_not_be_halved():
-    assert halving_line(statistics({"window": 0.0099})) == ""
-    assert "more place" in halving_line(statistics({"window": 0.0101}))
+    assert improvement.halving_line(statistics({"window": 0.0099})) == ""
+    assert "more place" in improvement.halving_line(statistics({"window": 0.0101}))
 
 
 def test_an_isolated_summit_is_to_be_cleaned_first():
-    line = halving_line(statistics({"window": 0.3}, ["Isolated peak"], summit_x=2e-6, summit_y=3e-6))
+    line = improvement.halving_line(
+        statistics({"window": 0.3}, ["Isolated peak"], summit_x=2e-6, summit_y=3e-6)
+    )
     assert line.startswith("clean the summit at (2.00 µm, 3.00 µm); measure ")
 
 
 def test_a_stated_instrument_is_to_be_stated_more_narrowly():
-    line = halving_line(statistics({"instrument": 0.3, "window": 0.02}, instrument_noise=1e-9))
+    line = improvement.halving_line(statistics({"instrument": 0.3, "window": 0.02}, instrument_noise=1e-9))
     assert line == "repeat the measurement and average, or state the instrument more narrowly"
 
 
 def test_nothing_is_proposed_without_an_interval():
-    assert halving_line(xr.Dataset({"relative_contact_area": ("load", [0.1])})) == ""
+    assert improvement.halving_line(xr.Dataset({"relative_contact_area": ("load", [0.1])})) == ""
 
 
 def test_the_number_of_maps_is_the_smallest_that_halves():
     groups = calibration.table()["groups"]
     expected, divisor = groups["freedom"][AREA], groups["half_width"][AREA]
     for of_map, elsewhere, half_width in ((0.3, 0.3, 0.3), (0.3, 0.2, 0.35), (0.2, 0.3, 0.5)):
-        maps = maps_for(half_width / 2, (of_map, elsewhere), 0.0)
+        maps = improvement.maps_for(half_width / 2, (of_map, elsewhere), 0.0)
         widths = []
         for n in (max(maps - 1, 2), maps):
             total, of_window = expected + n - 1, (of_map + (n - 1) * elsewhere) / n
             variance = (expected + scipy.stats.chi2(n - 1).median()) / total * (of_window / divisor) ** 2
             widths.append(scipy.stats.t.ppf(0.975, total) * np.sqrt(variance / n))
-        assert half_width_of_mean((of_map, elsewhere), maps, 0.0) == pytest.approx(widths[1])
+        assert improvement.half_width_of_mean((of_map, elsewhere), maps, 0.0) == pytest.approx(widths[1])
         assert widths[1] <= half_width / 2
         assert maps == 2 or widths[0] > half_width / 2
 
@@ -172,7 +169,7 @@ def test_other_places_are_expected_to_be_known_as_those_of_the_bank():
     assert 0 < power < 1
     alike = np.exp(constant / (1 - power))  # on the scale; where a tenth touches it is as good as relative
     for ratio in (0.25, 0.5, 2.0):
-        of_map, elsewhere = _half_widths_of_places(ratio * alike, 0.1)
+        of_map, elsewhere = improvement._half_widths_of_places(ratio * alike, 0.1)
         assert of_map == ratio * alike
         assert elsewhere == pytest.approx(alike * ratio**power, rel=0.01)
 
@@ -181,7 +178,7 @@ def test_an_overview_comes_first_with_what_the_bank_promises():
     """By the line of the bank the half-width on the scale is exp(c) w^k, w being that of the map alone."""
     constant, power = calibration.table()["overview_promise"]
     alone = statistics({"window": 0.5, "solver": 0.01})
-    line = halving_line(alone, overview=True)
+    line = improvement.halving_line(alone, overview=True)
     assert line.startswith(
         "measure an overview, a field three times as long at a quarter of the magnification"
     )
@@ -191,11 +188,11 @@ def test_an_overview_comes_first_with_what_the_bank_promises():
     promised = float(re.search(r"magnification \(to about ± ([\d.]+) %\), or ", line).group(1))
     assert promised == pytest.approx(100 * expected, rel=5e-3)
     assert "more place" in line
-    assert "overview" not in halving_line(alone)
+    assert "overview" not in improvement.halving_line(alone)
     with_one = alone.assign(relative_contact_area_alone_lower=("load", [0.05]))
-    assert "overview" not in halving_line(with_one, overview=True)
+    assert "overview" not in improvement.halving_line(with_one, overview=True)
     narrow = statistics({"window": 0.02, "solver": 0.01})
-    assert "overview" not in halving_line(narrow, overview=True)  # it would narrow nothing
+    assert "overview" not in improvement.halving_line(narrow, overview=True)  # it would narrow nothing
 
 
 def test_the_overview_holds_what_is_promised():

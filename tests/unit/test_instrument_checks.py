@@ -6,20 +6,14 @@ import instruments
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 from scipy import ndimage
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map
+from roughcontact import height_map, self_affine_surface
 from roughcontact.statistics import instrument_checks as checks
+from roughcontact.surface.roughness import traces
 from roughcontact.surface.roughness.summits import _chance
-from roughcontact.surface.roughness.traces import (
-    _derivatives,
-    _normal_curvatures,
-    _roundness,
-    instrument_traces,
-    repeated_heights,
-)
-from roughcontact.surface.synthetic import self_affine_surface
 
 SHARP = {"spectrum_exponent": -3.6, "spectrum_end": 4e-6, "rounded_peaks": 0.1, "sharpest_peak_radius": 2e-6}
 SHARP |= {"spectrum_bend": 0.1, "pixel_pitch": 1e-6, "pixel_roughness": 1e-9}
@@ -72,9 +66,9 @@ def test_the_tip_of_a_stylus_is_found():
 def test_a_sphere_has_its_radius_on_steep_slopes_too():
     radius = 5.0  # slopes up to 1.6: its second derivative reaches eight times 1 / radius
     y, x = np.meshgrid(*[np.linspace(-3, 3, 601)] * 2, indexing="ij")
-    slopes, seconds = _derivatives(np.sqrt(radius**2 - x**2 - y**2), (0.01, 0.01))
+    slopes, seconds = traces._derivatives(np.sqrt(radius**2 - x**2 - y**2), (0.01, 0.01))
     inside = (np.maximum(abs(x), abs(y)) < 2.99).ravel()  # differences reach round the map at its edges
-    curvatures = _normal_curvatures(slopes, seconds)
+    curvatures = traces._normal_curvatures(slopes, seconds)
     assert np.count_nonzero(inside) > 1e5
     for curvature, derivative in zip(curvatures, seconds, strict=True):
         np.testing.assert_allclose(curvature[inside], -1 / radius, rtol=1e-3)
@@ -94,15 +88,13 @@ def test_a_tip_on_steep_walls_is_found():
     assert "the tip of a stylus" not in checks.smoothed(sharp.attrs).sentence
     assert "the tip of a stylus" in checks.smoothed(blunt.attrs).sentence
     # the second derivative, which is large on the walls, would not tell
-    seconds = _derivatives(blunt.values, (1e-9, 1e-9))[1]
-    assert np.mean([_roundness(derivative) for derivative in seconds]) < checks.ROUNDED
+    seconds = traces._derivatives(blunt.values, (1e-9, 1e-9))[1]
+    assert np.mean([traces._roundness(derivative) for derivative in seconds]) < checks.ROUNDED
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.8])
 def test_a_lens_that_resolves_little_more_than_the_pixels_is_found(hurst):
-    rough_map = self_affine_surface(
-        (400, 400), 7e-7, hurst=hurst, shortest=1.4e-6, longest=7e-5, rms_height=1e-7
-    )
+    rough_map = self_affine((400, 400), 7e-7, (1.4e-6, 7e-5), hurst=hurst, rms_height=1e-7)
     lens = {"numerical_aperture": 0.3, "wavelength": 550e-9}
     part = rough_map.isel(y=slice(220), x=slice(220))
     sharp, blurred = (
@@ -212,7 +204,7 @@ def test_periodic_and_tiny_maps_are_not_judged():
     assert periodic.attrs["periodisation"] == "none"
     assert checks.smoothed(periodic.attrs).outcome == checks.smoothed(tiny.attrs).outcome == "not made"
     assert checks.noise(xr.Dataset(), tiny.attrs).outcome == "not made"
-    assert instrument_traces(height_map(np.zeros((64, 64)), 1e-6)) == {}
+    assert traces.instrument_traces(height_map(np.zeros((64, 64)), 1e-6)) == {}
     # a measured plateau with pits may meet at its edges by chance: noise shows there as elsewhere
     assert checks.noise(xr.Dataset(), periodic.attrs).outcome == "passed"
     noisy = rough_map + 3e-8 * np.random.default_rng(1).standard_normal(rough_map.shape)
@@ -226,11 +218,11 @@ def test_quantised_heights_are_not_repeated_ones():
     values = surface() + 1e-7 * np.arange(160)
     for levels in (20, 100, 1000):
         quantised = np.round(values / np.ptp(values) * levels)
-        assert repeated_heights(quantised) < checks.REPEATED
+        assert traces.repeated_heights(quantised) < checks.REPEATED
     missing = values.copy()
     missing[50:60] = np.nan
-    assert repeated_heights(missing) == 0
-    assert repeated_heights(np.zeros((64, 64))) == 0
+    assert traces.repeated_heights(missing) == 0
+    assert traces.repeated_heights(np.zeros((64, 64))) == 0
 
 
 def test_noise_is_found():

@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 from option_pairs import every_pair
 from scipy.linalg import eigh
 
@@ -15,7 +16,6 @@ from roughcontact.contact.grid import Grid
 from roughcontact.contact.interpolation import Interpolation
 from roughcontact.kernels import array_api, compiled
 from roughcontact.kernels.compiled import Compiled
-from roughcontact.surface import synthetic
 
 # shape and pitches: square, odd, prime, pixels longer than wide (with and without lines that become one
 # cell), profiles, two rows
@@ -70,9 +70,7 @@ def scattered(shape, share, seed=0):
 
 def patches(shape, share, *, shortest=8.0, seed=0):
     """Return the `share` highest points of a self-affine map, a contact set as surfaces make it."""
-    height = synthetic.self_affine_surface(
-        shape, 1.0, hurst=0.8, shortest=shortest, longest=min(shape) / 2, rms_gradient=1, seed=seed
-    )
+    height = self_affine(shape, 1.0, (shortest, min(shape) / 2), rms_gradient=1, seed=seed)
     return height.values > np.quantile(height.values, 1 - share)
 
 

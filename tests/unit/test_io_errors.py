@@ -11,12 +11,10 @@ import numpy as np
 import pytest
 
 import roughcontact
-from roughcontact.errors import InputFileError
+from roughcontact import InputFileError, inspect_file, read_height_map
 from roughcontact.interface.command_line.folders import list_measurements
 from roughcontact.interface.program import main
 from roughcontact.io.channels import Channel, MeasuredFile
-from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
 from roughcontact.io.registry import readers
 
 ERRORS = [

@@ -11,10 +11,7 @@ import x3pio
 import xarray as xr
 from measured_files import GIVEN, archive, array, gsf, holds, labelled, members, refuses, warnings_of, x3p
 
-from roughcontact.errors import HeightMapError, InputFileError
-from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
-from roughcontact.results.storage import write_dataset
+from roughcontact import HeightMapError, InputFileError, inspect_file, read_height_map, write_dataset
 
 HEIGHTS = np.array([[1.5, -2.25, 3.0, 0.5], [4.0, np.nan, -6.75, 7.0], [0.25, 9.0, 10.5, -1.0]]) * 1e-6
 DX, DY = 2e-6, 3e-6

@@ -8,15 +8,10 @@ import pytest
 import x3pio
 from measured_files import GIVEN, archive, array, labelled, members, refuses, warnings_of, x3p
 
-from roughcontact.arguments.maps import height_map
-from roughcontact.errors import HeightMapError
+from roughcontact import HeightMapError, composite, height_map, inspect_file, level, read_height_map
 from roughcontact.io import guards, instrument_kinds
-from roughcontact.io.inspection import inspect_file
 from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
-from roughcontact.io.read import read_height_map
 from roughcontact.statistics.instrument_checks import quantisation
-from roughcontact.surface.faces.composite import composite
-from roughcontact.surface.levelling.level import level
 
 HEIGHTS = np.arange(12.0).reshape(3, 4) * 1e-6
 

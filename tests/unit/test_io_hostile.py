@@ -15,10 +15,9 @@ from hostile import FILES, HEIGHTS
 from measured_files import GIVEN, holds, labelled, matlab, refuses, saved
 from test_io_instruments import surf
 
+from roughcontact import inspect_file, read_height_map
 from roughcontact.io import channels, inspection
 from roughcontact.io.channels import Channel, MeasuredFile
-from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
 from roughcontact.io.readers import digital_surf, netcdf
 from roughcontact.io.readers import matlab as matlab_reader
 
@@ -100,11 +99,7 @@ def test_more_than_ten_thousand_channels_are_refused_before_they_are_made(refuse
 
 @pytest.mark.parametrize(
     ("make_file", "module", "name", "count"),
-    [
-        (series, digital_surf, "_counts", 1),
-        (pages, matlab_reader, "_load", 5),
-        (maps, netcdf, "_dataset", 1),
-    ],
+    [(series, digital_surf, "_counts", 1), (pages, matlab_reader, "_load", 5), (maps, netcdf, "_dataset", 1)],
 )
 def test_inspection_reads_what_holds_many_channels_once(
     tmp_path, monkeypatch, make_file, module, name, count

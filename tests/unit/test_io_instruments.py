@@ -12,8 +12,7 @@ import pytest
 from measured_files import gwy, holds, jpk, labelled, matlab, refuses, sdf, steps, warnings_of, x3p
 from shared_data import DATA
 
-from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
+from roughcontact import inspect_file, read_height_map
 
 CASES = DATA.parent / "cases"
 COUNTS = np.random.default_rng(3).integers(-9000, 9000, (6, 8))

@@ -6,10 +6,8 @@ from fuzz_readers import GIVEN, SEEDS
 from measured_files import array, holds, labelled, matlab, refuses, warnings_of
 from shared_data import DATA
 
-from roughcontact.errors import InputFileError
+from roughcontact import InputFileError, inspect_file, read_height_map
 from roughcontact.io import classic
-from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
 
 MORE = DATA.parent / "more_data"
 CHECKED = ("npy", "netcdf 3", "netcdf 4", "netcdf 5", "jpk_hdf5", "tmd", "sdf")

@@ -7,9 +7,8 @@ import pytest
 from measured_files import array, cells, refuses, warnings_of
 
 import roughcontact as rc
-from roughcontact.errors import SettingsError
+from roughcontact import SettingsError, inspect_file
 from roughcontact.interface.program import main
-from roughcontact.io.inspection import inspect_file
 from roughcontact.study.surfaces import read_surfaces
 
 HEIGHTS = np.round(np.random.default_rng(4).normal(size=(14, 20)), 3)

@@ -23,9 +23,8 @@ from measured_files import (
 from PIL import Image
 from shared_data import DATA
 
-from roughcontact.errors import SettingsError
+from roughcontact import SettingsError, read_height_map
 from roughcontact.interface.program import main
-from roughcontact.io.read import read_height_map
 
 MORE = DATA.parent / "more_data"
 HEIGHTS = np.random.default_rng(5).normal(size=(6, 9)).astype(np.float32)

@@ -11,10 +11,7 @@ import pytest
 import xarray as xr
 from measured_files import cells, holds, points, warnings_of
 
-from roughcontact.errors import SettingsError
-from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
-from roughcontact.results.storage import write_dataset
+from roughcontact import SettingsError, inspect_file, read_height_map, write_dataset
 
 LETTER = np.array([[1, 1, 1, 1], [1, 0, 0, 0], [1, 1, 1, 0], [1, 0, 0, 0], [1, 0, 0, 0]], dtype=float)
 F = (LETTER + 0.01 * np.arange(20).reshape(5, 4)) * 1e-6  # m; every point tells where it is

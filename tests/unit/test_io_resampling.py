@@ -5,9 +5,7 @@ import pytest
 import x3pio
 from measured_files import cells, labelled, points, refuses, steps, warnings_of
 
-from roughcontact.errors import HeightMapError, InputFileError, SettingsError
-from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
+from roughcontact import HeightMapError, InputFileError, SettingsError, inspect_file, read_height_map
 
 RNG = np.random.default_rng(3)
 X, Y = RNG.random((2, 4000)) * [[100.0], [60.0]]  # µm

@@ -25,8 +25,7 @@ import pytest
 from measured_files import holds, refuses, steps, warnings_of
 from shared_data import DATA
 
-from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
+from roughcontact import inspect_file, read_height_map
 from roughcontact.io.units import metres
 
 pytestmark = pytest.mark.shared_data

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from measured_files import GIVEN, cells, holds, points, refuses, saved, steps, warnings_of
 
-from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
+from roughcontact import HeightMapError, SettingsError, inspect_file, read_height_map
 
 # no symmetry, so that a mirrored or transposed map is told from the right one
 HEIGHTS = np.array([[1.5, -2.25, 3.0, 0.5], [4.0, 5.5, -6.75, 7.0], [0.25, 9.0, 10.5, -1.0]])

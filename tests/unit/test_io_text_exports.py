@@ -7,8 +7,7 @@ import pytest
 from measured_files import GIVEN, cells, holds, points, refuses, saved, steps, warnings_of
 from shared_data import DATA
 
-from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
+from roughcontact import inspect_file, read_height_map
 from roughcontact.io.text import columns
 
 NUMBER = np.arange(12)

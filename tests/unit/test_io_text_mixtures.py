@@ -550,8 +550,7 @@ def test_a_length_that_nothing_uses_is_named(read, line, doubted):
 
 
 @pytest.mark.parametrize(
-    "line",
-    ["all peaks are nm", "NB: nm", "Units: µm, mm, nm", "wafer, heights in nm, pixel 0.5 um"],
+    "line", ["all peaks are nm", "NB: nm", "Units: µm, mm, nm", "wafer, heights in nm, pixel 0.5 um"]
 )
 def test_a_unit_of_the_steps_is_not_that_of_heights_which_a_line_contradicts(read, refused, line):
     for text, options in ((matrix("# " + line), {"dx": 0.5, "dy": 0.25}), ("# " + line + "\n" + POINTS, {})):

@@ -313,10 +313,7 @@ def test_the_active_set_is_where_the_gap_should_vanish(engine):
     correction = np.array([[-2.0, -0.2, 9], [9, 0.1, 9], [9, 2, 0.3]])
     # the coarse cell shares 0.9 among nine, which the neighbours take back
     passed, share = np.full((3, 3), -0.1), np.array([[0.9]])
-    engine.advance(
-        *(pressure, correction, passed, share, (3, 3)),
-        *(0.1, 0.5, 1.0, moved, free, share),
-    )
+    engine.advance(*(pressure, correction, passed, share, (3, 3)), *(0.1, 0.5, 1.0, moved, free, share))
     assert share == pytest.approx(3 / 9)
     # before holding: [1.05, 0.65, 1], [0, 0.5, 1], [0, -0.45, 0.9]
     np.testing.assert_allclose(moved, [[1, 0.65, 1], [0, 0.5, 1], [0, 0, 0.9]])

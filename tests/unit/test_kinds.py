@@ -6,14 +6,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.arguments.kinds import (
-    FINITE_BODY,
-    KIND_FACTS,
-    LOCAL_SCALE,
-    PERIODIC_MAP,
-    facts_of,
-    facts_of_settings,
-)
+from roughcontact.arguments import kinds
 from roughcontact.arguments.settings.fields import fields_at
 from roughcontact.arguments.settings.models import Friction, Joint, Settings
 from roughcontact.arguments.settings.resolve import resolve
@@ -41,7 +34,7 @@ def test_functions_and_settings_refuse_with_the_same_sentence(options):
         rc.solve_contact(BALL, **FREE, **options)
     with pytest.raises(rc.SettingsError) as of_settings:
         resolve({"contact": FREE | options})
-    reason = FINITE_BODY.reason_against(f"contact.{name}")
+    reason = kinds.FINITE_BODY.reason_against(f"contact.{name}")
     assert str(of_function.value) == f"{name}, boundary 'free': {reason}"
     assert str(of_settings.value).splitlines()[1:] == [f"  contact.{name} = {options[name]!r}: {reason}"]
 
@@ -51,24 +44,26 @@ def test_every_rule_is_of_a_setting_that_there_is():
     groups = {"friction": Friction, "joint": Joint}
     names |= {f"statistics.{name}.{key}" for name, group in groups.items() for key in group.model_fields}
     names |= {*Settings.model_fields}
-    for facts in KIND_FACTS:
+    for facts in kinds.KIND_FACTS:
         rules = {*facts.excluded, *chain.from_iterable(facts.excluded_with.values()), *facts.admitted}
         rules -= OF_FUNCTIONS
         assert {rule.partition(" = ")[0] for rule in rules} <= names
 
 
 def test_facts_by_the_word_of_settings_and_results():
-    assert facts_of({"boundary": "free"}) is FINITE_BODY
-    assert facts_of({}) is facts_of({"boundary": ["no word"]}) is PERIODIC_MAP
-    assert facts_of_settings({"form": {"local_scale": True}, "contact": None}) is LOCAL_SCALE
-    assert facts_of_settings({"form": "no section", "contact": {"boundary": "free"}}) is FINITE_BODY
+    assert kinds.facts_of({"boundary": "free"}) is kinds.FINITE_BODY
+    assert kinds.facts_of({}) is kinds.facts_of({"boundary": ["no word"]}) is kinds.PERIODIC_MAP
+    assert kinds.facts_of_settings({"form": {"local_scale": True}, "contact": None}) is kinds.LOCAL_SCALE
+    assert (
+        kinds.facts_of_settings({"form": "no section", "contact": {"boundary": "free"}}) is kinds.FINITE_BODY
+    )
 
 
 def test_the_force_on_a_map_is_its_pressure_times_its_area():
-    assert FINITE_BODY.arguments(3.0, 2.0) == {"boundary": "free", "force": 6.0}
-    assert FINITE_BODY.coordinates(6.0, 2.0) == {"mean_pressure": 3.0, "force": 6.0}
-    assert PERIODIC_MAP.arguments(3.0, 2.0) == {"boundary": "periodic", "mean_pressure": 3.0}
-    assert PERIODIC_MAP.coordinates(3.0, 2.0) == {"mean_pressure": 3.0}
+    assert kinds.FINITE_BODY.arguments(3.0, 2.0) == {"boundary": "free", "force": 6.0}
+    assert kinds.FINITE_BODY.coordinates(6.0, 2.0) == {"mean_pressure": 3.0, "force": 6.0}
+    assert kinds.PERIODIC_MAP.arguments(3.0, 2.0) == {"boundary": "periodic", "mean_pressure": 3.0}
+    assert kinds.PERIODIC_MAP.coordinates(3.0, 2.0) == {"mean_pressure": 3.0}
 
 
 @pytest.mark.parametrize(

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from roughcontact.arguments.maps import height_map
+from roughcontact import height_map, level, periodic_window
 from roughcontact.surface import synthetic
-from roughcontact.surface.levelling.level import level
 from roughcontact.surface.window.lay import lay_period, side_of_whole_periods
-from roughcontact.surface.window.periodic_window import periodic_window
 
 
 def rough(shape, seed=0, **options):

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 
-from roughcontact.arguments.maps import height_map, spacing
+from roughcontact import SettingsError, height_map, solve_contact
+from roughcontact.arguments.maps import spacing
 from roughcontact.contact.dataset import recorded_elasticity, recorded_medium
 from roughcontact.contact.elasticity.energy import elastic_energy
 from roughcontact.contact.elasticity.halfspace import HalfSpace
@@ -12,20 +14,14 @@ from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.elasticity.media import elastic_medium
 from roughcontact.contact.elasticity.medium import HALF_SPACES
 from roughcontact.contact.response import linear_response
-from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import SettingsError
-from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.surface.synthetic import rough_reference_surface
 
 STEEL = {"youngs_modulus": 2.0, "poissons_ratio": 0.3}
 RIGID = {"youngs_modulus": 1e20, "poissons_ratio": 0.3}
 
 
 def layer(thickness: float, youngs_modulus: float, poissons_ratio: float = 0.3) -> dict[str, float]:
-    return {
-        "thickness": thickness,
-        "youngs_modulus": youngs_modulus,
-        "poissons_ratio": poissons_ratio,
-    }
+    return {"thickness": thickness, "youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio}
 
 
 RUBBER_SHEET = {"base": "rigid", "layers": [layer(0.05, 1.0, 0.5)]}
@@ -211,9 +207,7 @@ def test_bodies_and_modulus_must_agree():
 @pytest.mark.parametrize("pixels", [4, 32])
 @pytest.mark.parametrize("ratio", [0.1, 0.5, 2.0, 5.0])
 def test_a_layer_takes_at_most_half_as_many_transforms_more_than_a_half_space(ratio, pixels):
-    height = self_affine_surface(
-        (256, 256), 1 / 256, hurst=0.8, shortest=6 / 256, longest=0.25, rms_gradient=1.0, seed=1
-    )
+    height = self_affine((256, 256), 1 / 256, (6 / 256, 0.25), rms_gradient=1.0, seed=1)
     film = STEEL | {"layers": [layer(pixels / 256, STEEL["youngs_modulus"] * ratio)]}
     pairs = []
     for body in (STEEL, film):
@@ -226,9 +220,7 @@ def test_a_layer_takes_at_most_half_as_many_transforms_more_than_a_half_space(ra
 
 @pytest.mark.parametrize("pixels", [4, 32])
 def test_stiff_films_and_rigid_bases_stay_within_bounds(pixels):
-    height = self_affine_surface(
-        (256, 256), 1 / 256, hurst=0.8, shortest=6 / 256, longest=0.25, rms_gradient=1.0, seed=1
-    )
+    height = self_affine((256, 256), 1 / 256, (6 / 256, 0.25), rms_gradient=1.0, seed=1)
     sheet = {"base": "rigid", "layers": [layer(pixels / 256, 2.0)]}
     film = STEEL | {"layers": [layer(pixels / 256, 40.0)]}
     for body, max_applications in ((sheet, 16), (film, 40)):
@@ -240,9 +232,7 @@ def test_stiff_films_and_rigid_bases_stay_within_bounds(pixels):
 
 @pytest.mark.parametrize(("ratio", "hardness"), [(60, 6.0), (150, 1.8), (500, 3.0)])
 def test_a_stiff_film_that_yields_takes_tens_of_transforms(ratio, hardness):
-    height = self_affine_surface(
-        (128, 128), 1 / 128, hurst=0.8, shortest=6 / 128, longest=0.25, rms_gradient=1.0, seed=1
-    )
+    height = self_affine((128, 128), 1 / 128, (6 / 128, 0.25), rms_gradient=1.0, seed=1)
     body = {"youngs_modulus": 0.91 / ratio, "poissons_ratio": 0.3, "layers": [layer(4 / 128, 0.91)]}
     contact = solve_contact(height, bodies=[body, RIGID], mean_pressure=0.03, hardness=0.03 * hardness)
     assert contact["yielded_area"] > 0

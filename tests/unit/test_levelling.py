@@ -4,19 +4,15 @@ import json
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 
-from roughcontact.arguments.maps import height_map
-from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.surface import synthetic
+from roughcontact import HeightMapError, SettingsError, height_map, level
 from roughcontact.surface.levelling.forms import form_from_record
-from roughcontact.surface.levelling.level import level
 from roughcontact.surface.levelling.polynomial import fit_polynomial
 
 
 def rough(shape=(96, 128), spacing=(2e-6, 1e-6), seed=0, rms=1e-7):
-    return synthetic.self_affine_surface(
-        shape, spacing, hurst=0.8, shortest=8e-6, longest=60e-6, rms_height=rms, seed=seed
-    )
+    return self_affine(shape, spacing, (8e-6, 60e-6), rms_height=rms, seed=seed)
 
 
 def removed(levelled):

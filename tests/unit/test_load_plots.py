@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 from read_charts import read_chart
 
 from roughcontact.arguments.quantities import Unit
@@ -10,7 +11,6 @@ from roughcontact.report import load_plots
 from roughcontact.report.charts import COLOURS
 from roughcontact.statistics import theory
 from roughcontact.surface.roughness.summits import summit_statistics
-from roughcontact.surface.synthetic import self_affine_surface
 
 WITHIN = 0.01  # a tenth of a pixel of these axes
 LOADS = np.array([1e6, 5e6, 2e8])
@@ -58,9 +58,7 @@ def assert_room(drawn, *, least=1.05, highest_ratio=3.0):
 
 
 def test_contact_area_and_theories_against_the_load():
-    window = self_affine_surface(
-        (64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=32e-6, rms_gradient=0.1, seed=1
-    )
+    window = self_affine((64, 64), 1e-6, (8e-6, 32e-6), rms_gradient=0.1, seed=1)
     drawn = read_chart(load_plots.area_against_load(numbers(), window), log="xy")
     assert {"mean pressure (MPa)", "contact area (%)"} <= set(drawn.texts)
     assert "mean pressure / (contact modulus × rms gradient)" in drawn.texts

@@ -4,14 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact.arguments.measurement import (
-    Instrument,
-    Measurement,
-    add_remark,
-    file_attributes,
-    json_attribute,
-    map_attributes,
-)
+from roughcontact.arguments import measurement
 from roughcontact.io.read import read_height_map
 from roughcontact.results.storage import read_dataset, write_dataset
 from roughcontact.surface.levelling.level import level
@@ -45,42 +38,46 @@ def test_a_file_has_few_attributes_and_gives_all_of_them_back(window, tmp_path):
         for key, value in window.attrs.items()
     }
     again = read_height_map(tmp_path / "window.nc")
-    assert json_attribute(again.attrs, "instrument") == json_attribute(window.attrs, "instrument")
+    assert measurement.json_attribute(again.attrs, "instrument") == measurement.json_attribute(
+        window.attrs, "instrument"
+    )
 
 
 def test_attributes_of_earlier_files_and_of_other_programs_stay():
     attrs = {"levelling": "by hand", "band": 3, "traces": "[1]", "reading": "{", "Sq": 1e-7}
-    assert map_attributes(attrs) == attrs
+    assert measurement.map_attributes(attrs) == attrs
 
 
 @pytest.mark.parametrize(
     "value", [0.1, np.float64(1 / 3), np.int64(3), "ß", True, [1e-6, 3e-6], np.array([1.0])]
 )
 def test_every_kind_of_value_is_restored(value):
-    (text,) = file_attributes({"summit_x": value}).values()
+    (text,) = measurement.file_attributes({"summit_x": value}).values()
     assert isinstance(text, str)
-    assert map_attributes({"summit": text}) == {
+    assert measurement.map_attributes({"summit": text}) == {
         "summit_x": value.tolist() if hasattr(value, "tolist") else value
     }
 
 
 def test_a_record_of_a_measurement_is_that_of_its_attributes(window):
-    record = Measurement.read(window.attrs)
+    record = measurement.Measurement.read(window.attrs)
     assert (record.source_file, record.missing_points, record.first_row) == ("map.npy", 0, "bottom")
-    assert Measurement.read(record.attributes()) == record
+    assert measurement.Measurement.read(record.attributes()) == record
     assert record.attributes().items() <= window.attrs.items()
-    array = Measurement(channel="height", channels=("height",))
+    array = measurement.Measurement(channel="height", channels=("height",))
     assert "first_row" not in array.attributes()
-    assert Measurement.read(array.attributes()) == array
+    assert measurement.Measurement.read(array.attributes()) == array
 
 
 def test_what_is_stated_of_an_instrument_is_one_record(window):
-    assert Instrument.read(window.attrs) == Instrument(noise=1e-9, numerical_aperture=0.4)
-    assert Instrument.read({}).attributes() == {}
+    assert measurement.Instrument.read(window.attrs) == measurement.Instrument(
+        noise=1e-9, numerical_aperture=0.4
+    )
+    assert measurement.Instrument.read({}).attributes() == {}
 
 
 @pytest.mark.parametrize("fact", [True, False])
 def test_a_remark_is_added_to_the_warnings_and_a_fact_to_both(fact):
-    attrs = add_remark({"ingest_warnings": '["a"]', "ingest_facts": '["b"]'}, "c", fact=fact)
-    assert json_attribute(attrs, "ingest_warnings") == ["a", "c"]
+    attrs = measurement.add_remark({"ingest_warnings": '["a"]', "ingest_facts": '["b"]'}, "c", fact=fact)
+    assert measurement.json_attribute(attrs, "ingest_warnings") == ["a", "c"]
     assert attrs.get("ingest_facts") == ('["b", "c"]' if fact else None)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 
 from roughcontact import evaluate, self_affine_surface, write_dataset
 from roughcontact.arguments.quantities import quantity, with_interval
@@ -14,9 +15,7 @@ LOADS = [1e6, 5e6, 2e7, 8e7]
 
 @pytest.fixture(scope="module")
 def statistics():
-    height = self_affine_surface(
-        (60, 96), (1e-6, 1e-6), hurst=0.8, rms_height=1e-7, shortest=6e-6, longest=3e-5, seed=3
-    )
+    height = self_affine((60, 96), (1e-6, 1e-6), (6e-6, 3e-5), rms_height=1e-7, seed=3)
     cut = height.isel(x=slice(0, 80))  # no longer periodic
     contact = {"bodies": ["steel", "PEEK"], "mean_pressure": LOADS}
     return evaluate(cut, level={"form": "mean", "s_filter": "3 um"}, contact=contact)
@@ -93,9 +92,7 @@ def test_the_command_prints_it_for_each_result(statistics, tmp_path, capsys):
 
 
 def test_a_body_of_finite_size_has_a_force_and_no_neighbours():
-    height = self_affine_surface(
-        (64, 64), (1e-6, 1e-6), hurst=0.8, rms_height=1e-9, shortest=4e-6, longest=1.6e-5, seed=5
-    )
+    height = self_affine((64, 64), (1e-6, 1e-6), (4e-6, 1.6e-5), rms_height=1e-9, seed=5)
     contact = {"bodies": ["steel", "steel"], "boundary": "free", "force": "1 mN"}
     text = methods_paragraph(evaluate(height, contact=contact, form={"radius": "1 mm"}))
     assert "is the roughness of a body of finite size of radius 1.00 mm;" in text
@@ -107,9 +104,7 @@ def test_a_body_of_finite_size_has_a_force_and_no_neighbours():
 
 
 def test_a_wider_body_has_its_radius_and_the_force_of_each_pressure():
-    height = self_affine_surface(
-        (64, 64), 1e-6, hurst=0.8, rms_height=1e-8, shortest=4e-6, longest=1.6e-5, seed=5
-    )
+    height = self_affine((64, 64), 1e-6, (4e-6, 1.6e-5), rms_height=1e-8, seed=5)
     contact = {"bodies": ["steel", "steel"], "force": "20 N"}
     form = {"radius": "50 mm", "local_scale": True}
     text = methods_paragraph(evaluate(height, contact=contact, form=form, uncertainty={"sources": []}))

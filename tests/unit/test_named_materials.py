@@ -6,20 +6,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact import evaluate, material, solve_contact
-from roughcontact.arguments import materials
+from roughcontact import SettingsError, evaluate, material, solve_contact
+from roughcontact.arguments import materials, named_materials
 from roughcontact.arguments.measurement import json_attributes
-from roughcontact.arguments.named_materials import (
-    _properties,
-    _row,
-    material_names,
-    modulus_uncertainty,
-    named_bodies,
-    temperature_limits,
-)
 from roughcontact.arguments.ranges import ends, shares_of_range
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.errors import SettingsError
 from roughcontact.interface.command_line.options import parse_bodies
 from roughcontact.report.asked import bodies_in_words
 from roughcontact.statistics.conductance import conductivity_ranges
@@ -42,9 +33,9 @@ PURE = [
 ]
 
 
-@pytest.mark.parametrize("name", material_names())
+@pytest.mark.parametrize("name", named_materials.material_names())
 def test_values_lie_in_their_ranges_and_are_plausible(name):
-    properties = _properties(name)
+    properties = named_materials._properties(name)
     for value, lowest, highest in properties.values():
         assert 0 < lowest <= value <= highest
     modulus, ratio = properties["youngs_modulus"].value, properties["poissons_ratio"].value
@@ -52,7 +43,7 @@ def test_values_lie_in_their_ranges_and_are_plausible(name):
     if "hardness" in properties:
         assert materials.doubt_of_hardness(properties["hardness"].value, modulus) is None
         assert properties["hardness"].highest <= 0.15 * modulus  # fused silica comes nearest
-    assert _row(name)["source"]
+    assert named_materials._row(name)["source"]
     resolve({"contact": {"bodies": [name, name]}})
 
 
@@ -74,13 +65,13 @@ def test_moduli_of_elastomers_follow_from_their_hardness(name, shore):
     def gent(hardness):
         return 1e6 * 0.0981 * (56 + 7.62336 * hardness) / (0.137505 * (254 - 2.54 * hardness))
 
-    modulus = _properties(name)["youngs_modulus"]
+    modulus = named_materials._properties(name)["youngs_modulus"]
     np.testing.assert_allclose(modulus, [gent(shore + offset) for offset in (0, -5, 5)], rtol=0.05)
 
 
 def test_an_elastomer_has_the_modulus_of_its_hardness():
     """The row of the table is that of 70 Shore A; each five degrees are a quarter or more of the modulus."""
-    named, of_table = _properties("NBR 70 Shore A"), _properties("NBR")
+    named, of_table = named_materials._properties("NBR 70 Shore A"), named_materials._properties("NBR")
     np.testing.assert_allclose(named["youngs_modulus"], of_table["youngs_modulus"], rtol=0.02)
     seal, plain = material("nitrile-60 ShA"), material("NBR")
     assert seal["name"] == "NBR 60 Shore A"
@@ -109,7 +100,7 @@ def test_values_are_those_of_books(name, key, book):
 
 
 def test_a_name_is_a_body_and_what_is_stated_goes_before_the_table():
-    steel, seal = named_bodies(["Mild Steel", {"material": "nbr", "youngs_modulus": 8e6}])
+    steel, seal = named_materials.named_bodies(["Mild Steel", {"material": "nbr", "youngs_modulus": 8e6}])
     assert steel["name"] == "steel"
     assert seal["youngs_modulus"] == 8e6
     assert seal["poissons_ratio"] == 0.5
@@ -130,9 +121,14 @@ def test_a_layer_has_a_name_and_its_hardness_is_that_of_the_surface():
     assert contact["hardness"] == min(gold["hardness"], hard["hardness"]) != copper["hardness"]
     assert contact["contact_modulus"] == pytest.approx(materials.contact_modulus([gold, hard]))
     # no wave feels another stack than gold or copper alone, with the wider of both ranges
-    ranges = [modulus_uncertainty(named_bodies([name, "hard-gold"])) for name in ("gold", "copper")]
+    ranges = [
+        named_materials.modulus_uncertainty(named_materials.named_bodies([name, "hard-gold"]))
+        for name in ("gold", "copper")
+    ]
     assert max(ranges) <= contact["contact_modulus_uncertainty"] < 1.2 * max(ranges)
-    assert contact["hardness_uncertainty"] == shares_of_range(*_properties("gold")["hardness"])
+    assert contact["hardness_uncertainty"] == shares_of_range(
+        *named_materials._properties("gold")["hardness"]
+    )
     assert resolve({"contact": {"bodies": [coated | {"hardness": 2e9}, "copper"]}})[""]["contact"][
         "hardness"
     ] == min(2e9, copper["hardness"])
@@ -156,7 +152,7 @@ def test_a_layer_of_numbers_leaves_the_hardness_and_the_conductivities_of_its_ba
 def test_the_range_of_the_modulus_becomes_the_uncertainty_of_the_contact_modulus():
     contact = resolve({"contact": {"bodies": ["steel", "PTFE"]}})[""]["contact"]
     assert contact["contact_modulus_uncertainty"] == 0.15  # PTFE: 0.40 to 0.55 of 0.5 GPa, steel is stiff
-    equal_bodies = modulus_uncertainty(named_bodies(["steel", "steel"]))
+    equal_bodies = named_materials.modulus_uncertainty(named_materials.named_bodies(["steel", "steel"]))
     assert equal_bodies == pytest.approx(15 / 2 / 207 / np.sqrt(2), abs=6e-4)
     settings = resolve({"contact": {"bodies": ["steel", "PTFE"], "contact_modulus_uncertainty": 0.02}})[""]
     assert settings["contact"]["contact_modulus_uncertainty"] == 0.02
@@ -185,7 +181,7 @@ def test_a_range_is_stated_in_three_ways_and_goes_before_that_of_the_table():
 
 def test_the_ranges_of_conductivities_are_of_the_mean_of_both_bodies():
     """In series their resistances add: half the variances where both bodies have the same range."""
-    ranges = conductivity_ranges(named_bodies(["steel", "steel"]))
+    ranges = conductivity_ranges(named_materials.named_bodies(["steel", "steel"]))
     mean, lowest, highest = ranges["electrical_resistivity"]
     assert (mean, lowest, highest) == pytest.approx(
         (160e-9, 160e-9 - 20e-9 / np.sqrt(2), 160e-9 + 40e-9 / np.sqrt(2)), rel=1e-5
@@ -194,7 +190,9 @@ def test_the_ranges_of_conductivities_are_of_the_mean_of_both_bodies():
     resistance = np.array([1 / 45, 1 / 60]) - 1 / 52
     assert (1 / lowest, 1 / highest) == pytest.approx(1 / 52 + resistance / np.sqrt(2), rel=1e-5)
     with_film = {"material": "steel", "layers": [{"material": "hard-gold", "thickness": "2 um"}]}
-    mean, lowest, highest = conductivity_ranges(named_bodies([with_film, "steel"]))["electrical_resistivity"]
+    mean, lowest, highest = conductivity_ranges(named_materials.named_bodies([with_film, "steel"]))[
+        "electrical_resistivity"
+    ]
     assert (lowest / mean, highest / mean) == pytest.approx((0.8, 4 / 3), rel=1e-5)  # of the gold
     assert conductivity_ranges([{"electrical_resistivity": 1e-7}] * 2) == {}
 
@@ -271,7 +269,7 @@ def test_names_and_numbers_give_the_same_contact():
 )
 def test_solids_end_where_books_have_them_melt(name, melting):
     """An alloy begins to melt below the one number that the book has."""
-    limits = temperature_limits([material(name)])[name]
+    limits = named_materials.temperature_limits([material(name)])[name]
     share = 0.05 if "-" in name else 0.01
     assert limits["highest"] + 273.15 == pytest.approx(melting, rel=share)
     assert limits["lowest"] <= -273
@@ -296,7 +294,7 @@ def test_temperatures_beyond_the_range_of_a_material_are_a_sentence(bodies, numb
     statistics = xr.Dataset(
         {name: ("load", [value]) for name, value in numbers.items() if name != "relaxation"}
         | {"contact_modulus": 1e9, "mean_pressure": ("load", [1e6])},
-        attrs=json_attributes({"temperatures": temperature_limits(named)}),
+        attrs=json_attributes({"temperatures": named_materials.temperature_limits(named)}),
     )
     check = units(statistics)
     assert check.outcome == (REVIEW if words else PASSED)

@@ -5,10 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from roughcontact.arguments.maps import height_map
-from roughcontact.errors import SettingsError
+from roughcontact import SettingsError, height_map, level
 from roughcontact.surface import synthetic
-from roughcontact.surface.levelling.level import level
 from roughcontact.surface.levelling.outliers import find_outliers
 
 THRESHOLD = 6.0  # the default of `level`

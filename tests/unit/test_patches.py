@@ -12,17 +12,8 @@ from roughcontact.results.collect import collect_statistics, summary_table
 from roughcontact.results.storage import write_dataset
 from roughcontact.statistics.sealing.connectivity import connected_regions, region_sizes
 from roughcontact.surface.roughness.heights import height_parameters
-from roughcontact.surface.synthetic import (
-    product_wave_surface,
-    rough_reference_surface,
-    westergaard_surface,
-)
-from validation.closed_forms import (
-    JGH_CONTACT_SHARE,
-    jgh_full_contact_pressure,
-    westergaard_contact_share,
-    westergaard_full_contact_pressure,
-)
+from roughcontact.surface.synthetic import product_wave_surface, rough_reference_surface, westergaard_surface
+from validation import closed_forms
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -67,20 +58,20 @@ def test_patches_of_a_solved_contact(statistics):
 @pytest.mark.parametrize("ratio", [0.1, 0.6])
 def test_ridges_touch_in_one_patch_each(ratio):
     ridges = westergaard_surface((1, 768), 1 / 256, amplitude=0.01, wavelength=1.0)
-    load = ratio * westergaard_full_contact_pressure(0.01, 1.0, 1.0)
+    load = ratio * closed_forms.westergaard_full_contact_pressure(0.01, 1.0, 1.0)
     contact = rc.solve_contact(ridges, contact_modulus=1.0, mean_pressure=[load], tolerance=1e-8)
     sizes = region_sizes(contact["pressure"].values[0] > 0)
     assert sizes.size == 3
-    np.testing.assert_allclose(sizes / 256, westergaard_contact_share(ratio), atol=2 / 256)
+    np.testing.assert_allclose(sizes / 256, closed_forms.westergaard_contact_share(ratio), atol=2 / 256)
 
 
 def test_the_product_wave_touches_in_two_equal_patches():
     wave = product_wave_surface((128, 128), 1 / 128, amplitude=0.01, wavelength=1.0)
-    load = 0.1 * jgh_full_contact_pressure(0.01, 1.0, 1.0)
+    load = 0.1 * closed_forms.jgh_full_contact_pressure(0.01, 1.0, 1.0)
     contact = rc.solve_contact(wave, contact_modulus=1.0, mean_pressure=[load])
     sizes = region_sizes(contact["pressure"].values[0] > 0)
     assert sizes.size == 2
-    np.testing.assert_allclose(sizes / 128**2, JGH_CONTACT_SHARE[0.1] / 2, rtol=0.04)
+    np.testing.assert_allclose(sizes / 128**2, closed_forms.JGH_CONTACT_SHARE[0.1] / 2, rtol=0.04)
 
 
 def test_developed_area_of_a_wave():

@@ -4,21 +4,18 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 from scipy import ndimage
 from scipy.optimize import brentq
 
+from roughcontact import level, periodic_window
 from roughcontact.arguments.choices import WindowMethod
-from roughcontact.surface import synthetic
-from roughcontact.surface.levelling.level import level
 from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.window import periodisation
-from roughcontact.surface.window.periodic_window import periodic_window
 
 
 def rough(shape, seed=0, shortest=8.0, hurst=0.8):
-    return synthetic.self_affine_surface(
-        shape, 1.0, hurst=hurst, shortest=shortest, longest=max(shape) / 2, rms_gradient=1.0, seed=seed
-    )
+    return self_affine(shape, 1.0, (shortest, max(shape) / 2), hurst=hurst, rms_gradient=1.0, seed=seed)
 
 
 @pytest.mark.parametrize("shape", [(24, 30), (25, 31), (2, 9), (1, 40), (40, 1), (3, 2)])
@@ -350,9 +347,7 @@ def ratios(method, width=0.125):
     """Gradient of windows over that of the periodic surface they were cut from, 16 windows."""
     result = []
     for seed in range(4):
-        master = synthetic.self_affine_surface(
-            (512, 512), 1 / 512, hurst=0.8, shortest=8 / 512, longest=1 / 4, rms_gradient=1.0, seed=seed
-        )
+        master = self_affine((512, 512), 1 / 512, (8 / 512, 1 / 4), rms_gradient=1.0, seed=seed)
         for y0, x0 in ((0, 0), (256, 100), (200, 250), (100, 31)):
             cut = master.isel(y=slice(y0, y0 + 256), x=slice(x0, x0 + 256))
             window = periodic_window(level(cut), method=method, width=width)

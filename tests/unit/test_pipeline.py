@@ -5,12 +5,13 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 
 import roughcontact as rc
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.evaluation import pipeline
 from roughcontact.evaluation.kinds import kind_of
-from roughcontact.surface.synthetic import self_affine_surface, westergaard_surface
+from roughcontact.surface.synthetic import westergaard_surface
 
 NO_BUDGET = {"sources": []}
 
@@ -18,9 +19,7 @@ NO_BUDGET = {"sources": []}
 @pytest.fixture(scope="module")
 def rough():
     """A map of an instrument: not periodic, with a tilt."""
-    height = self_affine_surface(
-        (48, 64), 1e-6, hurst=0.8, shortest=6e-6, longest=24e-6, rms_height=2e-7, seed=4
-    )
+    height = self_affine((48, 64), 1e-6, (6e-6, 24e-6), rms_height=2e-7, seed=4)
     return height.copy(data=(height + 0.01 * height["x"]).values)
 
 

@@ -6,22 +6,9 @@ import numpy as np
 import pytest
 import scipy
 
-from roughcontact.arguments.maps import height_map, spacing
-from roughcontact.errors import HeightMapError
-from roughcontact.surface.faces.placing import (
-    MAX_UNCERTAINTY,
-    frame_of_place,
-    joined_overviews,
-    measured_rectangle,
-    middle_of,
-    overview_with_place,
-    place_attributes,
-    place_of,
-    recorded_place,
-    separate_overviews,
-)
-from roughcontact.surface.levelling.level import level
-from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact import HeightMapError, height_map, level, self_affine_surface
+from roughcontact.arguments.maps import spacing
+from roughcontact.surface.faces import placing
 
 PITCH = 1e-6
 FINE = (slice(90, 200), slice(150, 270))  # rows, columns of the field
@@ -50,7 +37,7 @@ def overview_of(field, *, factor=3, rotation=0.0, scale=1.0, noise=0.02):
 @pytest.mark.parametrize(("rotation", "scale"), [(0.0, 1.0), (2.0, 1.0), (-1.5, 1.02), (0.0, 0.97)])
 def test_a_map_is_found_where_it_was_cut_out(field, rotation, scale):
     fine = level(field[FINE])
-    place = place_of(fine, overview_of(field, rotation=rotation, scale=scale))
+    place = placing.place_of(fine, overview_of(field, rotation=rotation, scale=scale))
     angle = np.radians(rotation)
     turn = scale * np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     middles = [np.array([float(each[axis].mean()) for axis in "yx"]) for each in (field, field[FINE])]
@@ -59,14 +46,14 @@ def test_a_map_is_found_where_it_was_cut_out(field, rotation, scale):
     assert place.rotation == pytest.approx(rotation, abs=0.7)
     assert place.scale == pytest.approx(scale, abs=0.012)
     assert place.correlation > 0.95
-    assert place.uncertainty < MAX_UNCERTAINTY
+    assert place.uncertainty < placing.MAX_UNCERTAINTY
 
 
 def test_the_height_scale_and_the_form_of_the_other_instrument_count_for_nothing(field):
     overview, fine = overview_of(field), level(field[FINE])
     y, x = np.meshgrid(*(overview[axis] for axis in "yx"), indexing="ij")
     tilted = overview.copy(data=7 * overview.values + 0.02 * y - 0.01 * x + 1e-5)
-    one, other = place_of(fine, overview), place_of(fine, tilted)
+    one, other = placing.place_of(fine, overview), placing.place_of(fine, tilted)
     assert (other.y, other.x, other.correlation) == pytest.approx((one.y, one.x, one.correlation))
 
 
@@ -75,7 +62,7 @@ def test_another_place_is_refused_in_one_sentence(field):
     elsewhere.attrs["source_file"] = "fine.x3p"
     overview = overview_of(field).assign_attrs(source_file="overview.x3p")
     with pytest.raises(HeightMapError) as caught:
-        place_of(elsewhere, overview)
+        placing.place_of(elsewhere, overview)
     assert re.fullmatch(
         r"overview: overview.x3p does not show the place of fine.x3p: it fits best at \(.*, .*\),.* "
         r"correlation 0\.\d+, and has to have 0.8; measure both without moving the part, the map in the "
@@ -88,14 +75,14 @@ def test_a_grating_fits_at_several_places():
     x = np.arange(360) * PITCH
     grating = height_map(np.tile(1e-6 * np.sin(2 * np.pi * x / (30 * PITCH)), (330, 1)), PITCH)
     with pytest.raises(HeightMapError, match="fits into a map at several places"):
-        place_of(level(grating[FINE]), level(grating.coarsen(y=3, x=3).mean()))
+        placing.place_of(level(grating[FINE]), level(grating.coarsen(y=3, x=3).mean()))
 
 
 def test_of_a_grating_the_place_may_be_stated():
     x = np.arange(360) * PITCH
     grating = height_map(np.tile(1e-6 * np.sin(2 * np.pi * x / (30 * PITCH)), (330, 1)), PITCH)
     fine, overview = level(grating[FINE]), level(grating.coarsen(y=3, x=3).mean())
-    place = place_of(fine, overview, near=(212e-6, 147e-6))
+    place = placing.place_of(fine, overview, near=(212e-6, 147e-6))
     assert place.x == pytest.approx(float(fine.x.mean()), abs=1.5 * PITCH)
     assert place.y == pytest.approx(147e-6, abs=0.1 * 110 * PITCH + 1.5 * PITCH)
 
@@ -103,20 +90,20 @@ def test_of_a_grating_the_place_may_be_stated():
 def test_a_stated_place_beyond_the_overview_or_with_other_heights_is_refused(field):
     fine, overview = level(field[FINE]), overview_of(field)
     with pytest.raises(HeightMapError, match="with its middle at y = 310 µm the map reaches"):
-        place_of(fine, overview, near=(210e-6, 310e-6))
+        placing.place_of(fine, overview, near=(210e-6, 310e-6))
     with pytest.raises(HeightMapError, match="does not show the place of a map"):
-        place_of(fine, overview, near=(120e-6, 200e-6))
+        placing.place_of(fine, overview, near=(120e-6, 200e-6))
 
 
 def test_an_overview_of_another_position_has_no_place(field):
     fine, overview = level(field[FINE]), overview_of(field)
-    shown = overview_with_place(fine, overview, "elsewhere")
-    assert recorded_place(shown) is None
-    assert frame_of_place(shown, fine) is None
-    joined = joined_overviews([shown, overview_with_place(fine, overview)])
-    one, other = separate_overviews(joined)
+    shown = placing.overview_with_place(fine, overview, "elsewhere")
+    assert placing.recorded_place(shown) is None
+    assert placing.frame_of_place(shown, fine) is None
+    joined = placing.joined_overviews([shown, placing.overview_with_place(fine, overview)])
+    one, other = placing.separate_overviews(joined)
     assert one.equals(shown.reset_coords(drop=True))
-    assert [recorded_place(each) is None for each in (one, other)] == [True, False]
+    assert [placing.recorded_place(each) is None for each in (one, other)] == [True, False]
 
 
 @pytest.mark.parametrize(
@@ -130,7 +117,7 @@ def test_an_overview_of_another_position_has_no_place(field):
 )
 def test_an_overview_that_shows_too_little_is_refused(field, cut, factor, reason):
     with pytest.raises(HeightMapError, match=reason):
-        place_of(field[cut], field.coarsen(y=factor, x=factor, boundary="trim").mean())
+        placing.place_of(field[cut], field.coarsen(y=factor, x=factor, boundary="trim").mean())
 
 
 @pytest.mark.parametrize("what", ["whole", "origin", "missing border", "masked border", "part"])
@@ -146,11 +133,13 @@ def test_a_position_is_of_the_middle_of_the_map_from_the_corner_of_the_overview(
     elif what == "masked border":
         fine[:, :40] = np.nan
     elif what == "part":
-        fine, middle = fine[:, 40:], middle_of(fine)
-    shown = overview_with_place(level(fine, fill="none"), level(overview, fill="none"), "210 145 um", middle)
+        fine, middle = fine[:, 40:], placing.middle_of(fine)
+    shown = placing.overview_with_place(
+        level(fine, fill="none"), level(overview, fill="none"), "210 145 um", middle
+    )
     left = {"masked border": 40, "part": 40}.get(what, 0)
-    assert recorded_place(shown).x == pytest.approx((150 + left + 270) / 2 * PITCH, abs=PITCH)
-    assert place_attributes([shown], level(fine, fill="none"))["offset_x"] == pytest.approx(
+    assert placing.recorded_place(shown).x == pytest.approx((150 + left + 270) / 2 * PITCH, abs=PITCH)
+    assert placing.place_attributes([shown], level(fine, fill="none"))["offset_x"] == pytest.approx(
         (150 + left) * PITCH, abs=1.5 * PITCH
     )
 
@@ -158,8 +147,8 @@ def test_a_position_is_of_the_middle_of_the_map_from_the_corner_of_the_overview(
 def test_missing_points_are_left_out(field):
     holed = field.copy(deep=True)
     holed[:40] = np.nan
-    whole = measured_rectangle(holed)
+    whole = placing.measured_rectangle(holed)
     assert whole.shape == (290, 360)
     assert spacing(whole) == spacing(field)
-    place = place_of(level(field[FINE]), whole.coarsen(y=3, x=3, boundary="trim").mean())
+    place = placing.place_of(level(field[FINE]), whole.coarsen(y=3, x=3, boundary="trim").mean())
     assert place.y == pytest.approx(float(field[FINE].y.mean()), abs=PITCH)

@@ -7,11 +7,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 from test_load_plots import AREAS, LOADS, numbers
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map
-from roughcontact.errors import SettingsError
+from roughcontact import SettingsError, height_map
 from roughcontact.surface.synthetic import rough_reference_surface
 
 
@@ -138,9 +138,7 @@ def test_what_cannot_be_drawn_is_refused_in_a_sentence(draw, wrong, message):
 
 
 def test_heights_are_drawn_in_a_unit_that_suits_them():
-    height = rc.self_affine_surface(
-        (16, 32), 1e-6, hurst=0.8, rms_gradient=0.1, longest=16e-6, shortest=4e-6, seed=1
-    )
+    height = self_affine((16, 32), 1e-6, (4e-6, 16e-6), rms_gradient=0.1, seed=1)
     micrometres = (height * 1e6).assign_attrs(units="um").assign_coords(height.coords)
     axes = [rc.plot.height(drawn) for drawn in (height, micrometres)]
     assert [ax.get_xlim() for ax in axes] == [pytest.approx((0, 32))] * 2

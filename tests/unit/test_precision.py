@@ -12,10 +12,7 @@ import roughcontact as rc
 from roughcontact.arguments.quantities import Unit
 from roughcontact.report.glance import glance_rows, interval_cell
 from roughcontact.results.collect import table
-from roughcontact.statistics.precision import (
-    add_precision,
-    precision_in_words,
-)
+from roughcontact.statistics.precision import add_precision, precision_in_words
 from roughcontact.surface.synthetic import rough_reference_surface
 
 PLAIN = Unit(1.0, "")

@@ -49,12 +49,7 @@ def test_ends_stand_with_their_unit_where_one_is_known(lower, upper, text):
 
 @pytest.mark.parametrize(
     ("value", "digits", "text"),
-    [
-        (1.5, 2, "1.5 km"),
-        (1.5, 3, "1.50 km"),
-        (12.345, 3, "12.3 km"),
-        (0.25, 3, "250 m"),
-    ],
+    [(1.5, 2, "1.5 km"), (1.5, 3, "1.50 km"), (12.345, 3, "12.3 km"), (0.25, 3, "250 m")],
 )
 def test_kilometres(value, digits, text):
     assert quantity(1000 * value, "m", digits=digits) == text

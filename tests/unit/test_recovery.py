@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 
 from roughcontact.arguments.maps import height_map
 from roughcontact.contact.solve import solve_contact
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.surface.levelling.level import level
 from roughcontact.surface.roughness.parameters import rms_gradient
-from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
 
@@ -50,15 +50,7 @@ def test_contact_area_of_faulty_measurements(placement):
     """Eight windows of two surfaces: the true area lies within their ±, and within what their spread says."""
     ratios, half_widths = [], []
     for seed in range(2):
-        surface = self_affine_surface(
-            (2 * POINTS, 2 * POINTS),
-            PITCH,
-            hurst=0.8,
-            shortest=8e-6,
-            longest=128e-6,
-            rms_gradient=0.1,
-            seed=seed,
-        )
+        surface = self_affine((2 * POINTS, 2 * POINTS), PITCH, (8e-6, 128e-6), rms_gradient=0.1, seed=seed)
         load = 0.1 * MODULUS * rms_gradient(surface)
         truth = contact_area(surface, load)
         for quadrant in range(4):
@@ -83,9 +75,7 @@ def test_contact_area_of_faulty_measurements(placement):
 
 def test_without_levelling_the_area_is_far_off():
     """The faults matter: what the test above takes off would ruin the result."""
-    surface = self_affine_surface(
-        (512, 512), PITCH, hurst=0.8, shortest=8e-6, longest=128e-6, rms_gradient=0.1, seed=0
-    )
+    surface = self_affine((512, 512), PITCH, (8e-6, 128e-6), rms_gradient=0.1, seed=0)
     load = 0.1 * MODULUS * rms_gradient(surface)
     plain = level(measure(surface, (0, 0), seed=0), form="mean", outlier_threshold=None)
     assert contact_area(periodic_window(plain), load) < 0.6 * contact_area(surface, load)

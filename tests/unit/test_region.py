@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 
-from roughcontact.arguments.maps import height_map
+from roughcontact import HeightMapError, SettingsError, height_map, level
 from roughcontact.arguments.measurement import Measurement
 from roughcontact.arguments.rectangles import Rectangle, parse_rectangles
-from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.statistics.map_checks import reading
 from roughcontact.statistics.outcome import noted
 from roughcontact.study.surfaces import read_surfaces
-from roughcontact.surface.levelling.level import level
 from roughcontact.surface.preparation.region import used_region
 
 

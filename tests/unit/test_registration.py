@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from roughcontact.arguments.maps import height_map
+from roughcontact import HeightMapError, height_map, self_affine_surface
 from roughcontact.arguments.measurement import json_attribute
-from roughcontact.errors import HeightMapError
 from roughcontact.surface.faces.registration import common_part
-from roughcontact.surface.synthetic import self_affine_surface
 
 PITCH = 1e-6
 SIDE = 128  # points

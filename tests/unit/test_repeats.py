@@ -5,9 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from roughcontact.errors import HeightMapError
+from roughcontact import HeightMapError, self_affine_surface
 from roughcontact.surface.levelling.repeats import noise_of_repeats
-from roughcontact.surface.synthetic import self_affine_surface
 
 
 @pytest.fixture(scope="module")
@@ -62,8 +61,7 @@ def changed(rough, kind):
 
 
 @pytest.mark.parametrize(
-    "kind",
-    ["flattened", "step", "scratch", "oblique scratch", "bow", "ripple", "dust", "another scale"],
+    "kind", ["flattened", "step", "scratch", "oblique scratch", "bow", "ripple", "dust", "another scale"]
 )
 def test_what_was_done_to_a_surface_is_no_noise(rough, twice, kind):
     noise, remark = noise_of_repeats(*twice(rough, changed(rough, kind)))

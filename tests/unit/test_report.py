@@ -21,6 +21,7 @@ import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 from PIL import Image
 
 import roughcontact
@@ -46,7 +47,6 @@ from roughcontact.statistics import checks, map_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, VERDICTS, worst_result
 from roughcontact.surface.levelling.level import level
-from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.surface.window.periodic_window import periodic_window
 
 STAGES = ("height", "levelled", "window", "contact", "statistics")
@@ -98,9 +98,7 @@ def assemble(folder, runs, title="Trial", **options):
 
 
 def rough(seed=1, shape=(60, 80), shortest=12e-6):
-    return self_affine_surface(
-        shape, (2e-6, 1.5e-6), hurst=0.8, shortest=shortest, longest=60e-6, rms_height=3e-7, seed=seed
-    )
+    return self_affine(shape, (2e-6, 1.5e-6), (shortest, 60e-6), rms_height=3e-7, seed=seed)
 
 
 @pytest.fixture(scope="module")

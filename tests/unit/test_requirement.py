@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 
 import roughcontact as rc
-from roughcontact.errors import SettingsError
+from roughcontact import SettingsError
 from roughcontact.report.allowed import allowed_in_words
-from roughcontact.surface.synthetic import self_affine_surface
 
 BODIES = [{"youngs_modulus": "2 GPa", "poissons_ratio": 0.4, "thermal_conductivity": 0.25}] * 2
 LOAD = 2e7
@@ -20,9 +20,7 @@ NUMBERS = {
 
 
 def rough(seed):
-    return self_affine_surface(
-        (32, 32), 1.5e-6, hurst=0.8, shortest=4e-6, longest=40e-6, rms_height=3e-7, seed=seed
-    )
+    return self_affine((32, 32), 1.5e-6, (4e-6, 40e-6), rms_height=3e-7, seed=seed)
 
 
 def evaluated(height, *, load=LOAD, bodies=BODIES, sources=(), **statistics):

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 
 import roughcontact as rc
 from data_samples.make_samples import blasted_surface
@@ -18,9 +19,7 @@ PITCH, ROWS = 1e-6, (0, 42, 85, 128, 170, 213)
 
 @pytest.fixture(scope="module")
 def surface():
-    return rc.self_affine_surface(
-        (256, 256), PITCH, hurst=0.8, shortest=8e-6, longest=6e-5, rms_height=3e-7, seed=4
-    )
+    return self_affine((256, 256), PITCH, (8e-6, 6e-5), rms_height=3e-7, seed=4)
 
 
 def test_profiles_of_the_drawn_surface_itself_have_no_contrast(surface):

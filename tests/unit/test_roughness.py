@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 
 from roughcontact.arguments.maps import height_map
 from roughcontact.surface import synthetic
@@ -50,16 +51,12 @@ def test_profile_in_closed_form():
 def test_least_nayak_parameters():
     single, _, _ = waves((1, 64), (1.0, 1.0), [(1.0, 0, 3)])
     assert parameters.roughness_parameters(single)["nayak_parameter"] == pytest.approx(1.0)
-    height = synthetic.self_affine_surface(
-        (128, 128), 1.0, hurst=0.5, shortest=7.99, longest=8.01, rms_height=1
-    )
+    height = self_affine((128, 128), 1.0, (7.99, 8.01), hurst=0.5, rms_height=1)
     assert parameters.roughness_parameters(height)["nayak_parameter"] == pytest.approx(1.5, rel=1e-2)
 
 
 def test_smooth_surface_against_finite_differences():
-    height = synthetic.self_affine_surface(
-        (256, 256), (2e-6, 1e-6), hurst=0.8, shortest=80e-6, longest=256e-6, rms_height=1e-6, seed=2
-    )
+    height = self_affine((256, 256), (2e-6, 1e-6), (80e-6, 256e-6), rms_height=1e-6, seed=2)
     z = height.values
     # fourth-order differences, periodic
     gradient_along = lambda axis, d: (8 * (np.roll(z, -1, axis) - np.roll(z, 1, axis))  # noqa: E731
@@ -151,9 +148,7 @@ def test_a_profile_has_no_summits():
 
 def test_summits_agree_with_the_theory_of_random_surfaces():
     """Density m4 / (6 pi sqrt(3) m2) (Nayak 1971) and mean curvature 8 sqrt(m4 / pi) / 3 (McCool 1986)."""
-    height = synthetic.self_affine_surface(
-        (512, 512), 1e-6, hurst=0.8, shortest=8e-6, longest=256e-6, rms_gradient=0.2, seed=4
-    )
+    height = self_affine((512, 512), 1e-6, (8e-6, 256e-6), rms_gradient=0.2, seed=4)
     _, m2, m4 = parameters.spectral_moments(height)
     summits = summit_statistics(height)
     assert summits["density"] == pytest.approx(m4 / (6 * np.pi * np.sqrt(3) * m2), rel=0.06)
@@ -197,9 +192,7 @@ def test_parameters_together_are_the_parameters_one_by_one():
 
 
 def test_steepest_points_of_random_slopes_and_of_a_single_spike():
-    rough = synthetic.self_affine_surface(
-        (512, 512), 1e-6, hurst=0.8, shortest=8e-6, longest=64e-6, rms_gradient=0.1, seed=1
-    )
+    rough = self_affine((512, 512), 1e-6, (8e-6, 64e-6), rms_gradient=0.1, seed=1)
     expected = 0.01 * (1 - math.log(0.01))
     assert parameters.steepest_share(rough) == pytest.approx(expected, rel=0.05)
     spike = height_map(np.where(np.arange(4096).reshape(64, 64) == 100, 1e-6, 0.0), (1e-6, 2e-6))

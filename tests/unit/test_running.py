@@ -15,12 +15,10 @@ import pytest
 import snakemake.io
 import yaml
 
-from roughcontact.arguments.maps import height_map
+from roughcontact import SettingsError, height_map, write_dataset
 from roughcontact.arguments.settings.messages import name_mistake
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.errors import SettingsError
 from roughcontact.interface.program import main
-from roughcontact.results.storage import write_dataset
 from roughcontact.study import records, running
 from roughcontact.study.plan import Plan
 from roughcontact.study.run_lock import run_lock

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 
 import roughcontact as rc
 from roughcontact.arguments.answers import AREA
@@ -16,9 +17,7 @@ LOAD, WEAR = 5e6, 1e-15
 
 
 def face(points=96, seed=3):
-    return rc.self_affine_surface(
-        (points, points), 1e-6, hurst=0.8, rms_gradient=0.1, longest=24e-6, shortest=6e-6, seed=seed
-    )
+    return self_affine((points, points), 1e-6, (6e-6, 24e-6), rms_gradient=0.1, seed=seed)
 
 
 def settings(window, *, factor=1.0):

@@ -4,18 +4,15 @@ import json
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 
-from roughcontact.arguments.maps import height_map
-from roughcontact.errors import SettingsError
-from roughcontact.surface.levelling.level import level
+from roughcontact import SettingsError, height_map, level
 from roughcontact.surface.levelling.scan_lines import find_scars, line_offsets
-from roughcontact.surface.synthetic import self_affine_surface, turned_surface
+from roughcontact.surface.synthetic import turned_surface
 
 
 def rough(seed=0, shape=(96, 128)):
-    return self_affine_surface(
-        shape, 1e-6, hurst=0.8, shortest=8e-6, longest=40e-6, rms_height=1e-7, seed=seed
-    )
+    return self_affine(shape, 1e-6, (8e-6, 40e-6), rms_height=1e-7, seed=seed)
 
 
 @pytest.mark.parametrize("method", ["median", "matched-steps"])

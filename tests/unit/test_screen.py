@@ -123,10 +123,7 @@ def test_warnings_of_a_face_stand_with_the_pair(tmp_path):
     write_record(log := tmp_path / "prepare.log", warnings=1)
     run = Run()
     run.begin()
-    for number, rule, name in (
-        (1, "prepare_face", "seal-counter-face"),
-        (2, "panel", "seal-2"),
-    ):
+    for number, rule, name in ((1, "prepare_face", "seal-counter-face"), (2, "panel", "seal-2")):
         fields = {"rule_name": rule, "wildcards": {"result": name}, "log": [str(log)] if number == 1 else []}
         run.tell(event="job_info", jobid=number, output=[], **fields)
         run.tell(event="job_finished", job_id=number, delay=number)

@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from known_surfaces import self_affine
 from scipy.integrate import quad
 from scipy.ndimage import label
 from scipy.optimize import brentq
@@ -20,7 +21,7 @@ from roughcontact.statistics.sealing.connectivity import connected_regions, perc
 from roughcontact.statistics.sealing.flow import flow_columns, leak_columns
 from roughcontact.statistics.sealing.multigrid import Network, multigrid
 from roughcontact.statistics.sealing.percolation import half_way_levels, percolation_columns
-from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.surface.synthetic import rough_reference_surface
 from validation import closed_forms
 
 SQUARE = (1e-6, 1e-6)
@@ -28,9 +29,7 @@ SQUARE = (1e-6, 1e-6)
 
 def rough_gap(points, *, closed, seed=0):
     """Return a gap of a self-affine map that is cut off where it is closed."""
-    height = self_affine_surface(
-        (points, points), 1.0, hurst=0.8, shortest=points / 8, longest=points / 2, rms_height=1.0, seed=seed
-    ).values
+    height = self_affine((points, points), 1.0, (points / 8, points / 2), rms_height=1.0, seed=seed).values
     return np.maximum(np.quantile(height, 1 - closed) - height, 0)
 
 
@@ -203,9 +202,7 @@ def test_checkerboard_conducts_the_geometric_mean():
 
 def test_keller_duality_on_a_rough_gap():
     """Keller (1964): 1/k conducts as k does, turned by 90° and divided by the determinant."""
-    height = self_affine_surface(
-        (128, 128), 1.0, hurst=0.8, shortest=16.0, longest=64.0, rms_height=0.3, seed=3
-    ).values
+    height = self_affine((128, 128), 1.0, (16.0, 64.0), rms_height=0.3, seed=3).values
     results = []
     for sign in (1, -1):
         gap = np.exp(sign * height / 3)
@@ -362,9 +359,7 @@ def test_leak_rate_of_a_seal():
 
 @pytest.fixture(scope="module")
 def contact():
-    height = self_affine_surface(
-        (64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=32e-6, rms_height=1e-7, seed=0
-    )
+    height = self_affine((64, 64), 1e-6, (8e-6, 32e-6), rms_height=1e-7, seed=0)
     return rc.solve_contact(height, contact_modulus=1e9, mean_pressure=[1e6, 5e6, 3e7])
 
 
@@ -403,9 +398,7 @@ def test_a_gap_closes_near_42_percent_of_contact():
     """Isotropic self-affine surfaces: Dapp et al. (2012) find 0.42, Wang and Müser (2020) 0.415."""
     closing = []
     for seed in range(6):
-        height = self_affine_surface(
-            (128, 128), 1.0, hurst=0.8, shortest=8.0, longest=32.0, rms_height=1e-3, seed=seed
-        )
+        height = self_affine((128, 128), 1.0, (8.0, 32.0), rms_height=1e-3, seed=seed)
 
         def openness(load, height=height):
             solved = rc.solve_contact(height, contact_modulus=1.0, mean_pressure=load, tolerance=1e-3)
@@ -445,9 +438,7 @@ def test_where_rounding_stops_the_iteration_there_is_no_flow_factor():
 )
 def test_a_fluid_that_lifts_the_seal_or_is_a_gas_is_named(viscosity, difference, doubted, words):
     seal = {"viscosity": viscosity, "pressure_difference": difference, "width": 1e-3}
-    height = self_affine_surface(
-        (64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=32e-6, rms_height=1e-7, seed=0
-    )
+    height = self_affine((64, 64), 1e-6, (8e-6, 32e-6), rms_height=1e-7, seed=0)
     contact = {"contact_modulus": 1e9, "mean_pressure": [1e6, 5e6, 2e7]}
     statistics = rc.evaluate(height, contact=contact, statistics={"seal": seal}, uncertainty={"sources": []})
     reasons = [reason for reason in json.loads(statistics.attrs["reasons"]) if reason["check"] == "Fluid"]

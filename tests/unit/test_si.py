@@ -5,16 +5,16 @@ import warnings
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 
 import roughcontact as rc
+from roughcontact import HeightMapError, HeightMapWarning, SettingsError, self_affine_surface
 from roughcontact.arguments import units
 from roughcontact.arguments.settings.fields import section_model
 from roughcontact.arguments.settings.models import Settings
 from roughcontact.arguments.settings.plausible import setting_base
 from roughcontact.arguments.si import QUANTITIES, labelled_in_si
-from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
 from roughcontact.surface.roughness import heights, parameters, spectrum, summits, texture, traces
-from roughcontact.surface.synthetic import self_affine_surface
 
 LENGTHS = units.spellings("m")
 CONTACT = {"contact_modulus": 1e9, "mean_pressure": 2e7}
@@ -23,9 +23,7 @@ SOLVER_ONLY = {"sources": ["solver"]}
 
 @pytest.fixture(scope="module")
 def surface():
-    surface_map = self_affine_surface(
-        (24, 30), 1e-6, hurst=0.8, shortest=4e-6, longest=24e-6, rms_height=2e-7
-    )
+    surface_map = self_affine((24, 30), 1e-6, (4e-6, 24e-6), rms_height=2e-7)
     # no wave is rounding alone
     noise = 1e-9 * np.random.default_rng(0).standard_normal(surface_map.shape)
     return surface_map.copy(data=surface_map.values + noise).assign_attrs(source_file="made")
@@ -258,10 +256,7 @@ def test_settings_below_sections_keep_the_units_of_their_arrays():
 
 
 def test_statistics_are_of_a_solution(surface):
-    for wrong, text in (
-        (surface, "type DataArray"),
-        (xr.Dataset({"height": surface}), "has no pressure"),
-    ):
+    for wrong, text in ((surface, "type DataArray"), (xr.Dataset({"height": surface}), "has no pressure")):
         with pytest.raises(SettingsError, match=f"{text}.*solution of solve_contact"):
             rc.contact_statistics(wrong)
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from known_surfaces import self_affine
 
 import roughcontact as rc
 from roughcontact.arguments.answers import AREA, FRICTION, PEAK
@@ -20,9 +21,7 @@ LOAD, SPEEDS = 5e4, [1e-3, 1e-2, 1e-1]
 
 
 def face(points=96, seed=3):
-    return rc.self_affine_surface(
-        (points, points), 1e-6, hurst=0.8, rms_gradient=0.1, longest=24e-6, shortest=6e-6, seed=seed
-    )
+    return self_affine((points, points), 1e-6, (6e-6, 24e-6), rms_gradient=0.1, seed=seed)
 
 
 def table(highest=1e7):

@@ -5,15 +5,11 @@ import dataclasses
 import array_api_strict
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 from scipy.optimize import minimize_scalar
 
 from roughcontact.arguments.maps import height_map
-from roughcontact.contact.certificate import (
-    bound_without_transform,
-    error_bound,
-    relative_bound,
-    rounding_floor,
-)
+from roughcontact.contact import certificate
 from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import Iterate, first_guess_on_grid, solve_on_grid
@@ -24,7 +20,7 @@ from roughcontact.contact.projected_gradient import project_to_load, projected_g
 from roughcontact.contact.state import contact_mean, norm, scale_below_cap, scale_to_load
 from roughcontact.contact.sweep import sweep
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty, namespace
-from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.surface.synthetic import rough_reference_surface
 
 LENGTHS = (1.0, 1.0)
 EPS = {SINGLE: 2.0**-23, DOUBLE: 2.0**-52}
@@ -32,9 +28,7 @@ EPS = {SINGLE: 2.0**-23, DOUBLE: 2.0**-52}
 
 def rough(points=32, seed=0):
     """Return dimensionless heights of unit rms gradient."""
-    surface = self_affine_surface(
-        (points, points), 1 / points, hurst=0.8, shortest=4 / points, longest=0.5, rms_gradient=1.0, seed=seed
-    )
+    surface = self_affine((points, points), 1 / points, (4 / points, 0.5), rms_gradient=1.0, seed=seed)
     return surface.values
 
 
@@ -95,9 +89,9 @@ def test_the_norm_that_the_bound_takes_is_that_of_a_residual_that_certifies():
     interpolated = grid.interpolator(DOUBLE).field.copy()
     assert np.sqrt(residual.energy) == pytest.approx(energy_norm(interpolated, inverse=True), rel=1e-10)
     allowed = np.where(state.pressure > 0, state.gap, np.minimum(interpolated, state.gap))
-    bound = error_bound(grid, state, residual) * state.norm
+    bound = certificate.error_bound(grid, state, residual) * state.norm
     exact = energy_norm(allowed, inverse=True)
-    floor = rounding_floor(grid.halfspace, state) * state.norm
+    floor = certificate.rounding_floor(grid.halfspace, state) * state.norm
     assert bound - floor >= exact * (1 + 1e-4) * (1 - 1e-10)
     assert bound - floor <= exact * 1.2
 
@@ -107,28 +101,28 @@ def test_the_bound_without_a_transform_is_a_bound_from_the_stiffest_wave():
     state, _ = grid.evaluate(scale_to_load(np.random.default_rng(1).random(grid.shape) - 0.5, 0.3))
     gap = np.where(state.pressure > 0, state.gap, np.minimum(state.gap, 0))  # penetrations alone where p = 0
     expected = np.sqrt(np.mean(gap**2) * symbol(grid.shape).max()) * (1 + 1e-4) / energy_norm(state.pressure)
-    floor = rounding_floor(grid.halfspace, state)
-    assert bound_without_transform(grid, state) == pytest.approx(expected + floor, rel=1e-6)
-    assert bound_without_transform(grid, state) > energy_norm(gap, inverse=True) / state.norm
+    floor = certificate.rounding_floor(grid.halfspace, state)
+    assert certificate.bound_without_transform(grid, state) == pytest.approx(expected + floor, rel=1e-6)
+    assert certificate.bound_without_transform(grid, state) > energy_norm(gap, inverse=True) / state.norm
 
 
 @pytest.mark.parametrize("precision", [SINGLE, DOUBLE])
 def test_what_rounding_hides_is_added_to_the_bound(precision):
     grid = Grid(rough(), LENGTHS)
     state, _ = grid.evaluate(scale_to_load(rough().astype(precision), 0.2))
-    floor = rounding_floor(grid.halfspace, state)
-    assert relative_bound(grid.halfspace, state, 0.0) == floor > 0
+    floor = certificate.rounding_floor(grid.halfspace, state)
+    assert certificate.relative_bound(grid.halfspace, state, 0.0) == floor > 0
     residual = 3 * floor * state.norm
-    assert relative_bound(grid.halfspace, state, residual) == pytest.approx(4 * floor, rel=1e-3)
+    assert certificate.relative_bound(grid.halfspace, state, residual) == pytest.approx(4 * floor, rel=1e-3)
 
 
 def test_a_uniform_pressure_is_right_where_it_leaves_no_residual_and_unknown_elsewhere():
     grid = Grid(rough(), LENGTHS)
     state, _ = grid.evaluate(np.full(grid.shape, 0.5))
     state = dataclasses.replace(state, norm=0.0)
-    assert relative_bound(grid.halfspace, state, 0.0) == 0.0
-    assert relative_bound(grid.halfspace, state, 1e-300) == np.inf
-    assert rounding_floor(grid.halfspace, state) == 0.0
+    assert certificate.relative_bound(grid.halfspace, state, 0.0) == 0.0
+    assert certificate.relative_bound(grid.halfspace, state, 1e-300) == np.inf
+    assert certificate.rounding_floor(grid.halfspace, state) == 0.0
 
 
 @pytest.mark.parametrize("precision", [SINGLE, DOUBLE])
@@ -146,7 +140,7 @@ def test_the_floor_is_the_norm_of_white_noise_of_the_size_of_rounding(precision,
     by_unit = pressure * np.sqrt(compliance.max() / free)
     expected = (np.sqrt(np.log2(state.pressure.size)) * transforms + by_unit) / state.norm
     for precision_asked, eps in ((None, EPS[precision]), (SINGLE, EPS[SINGLE])):
-        assert rounding_floor(grid.halfspace, state, precision_asked) == pytest.approx(
+        assert certificate.rounding_floor(grid.halfspace, state, precision_asked) == pytest.approx(
             eps * expected, rel=1e-3
         )
     noise = np.random.default_rng(0).standard_normal((64, *grid.shape))
@@ -397,7 +391,7 @@ def test_the_iteration_ends_by_its_tolerance_its_steps_or_the_floor():
     assert cut.steps == 1
     assert cut.error_bound > 1e-6
     floor = solve_on_grid(grid, start.copy(), 0.2, tolerance=1e-16)
-    assert 1e-16 < floor.error_bound <= 4 * rounding_floor(grid.halfspace, floor.state)
+    assert 1e-16 < floor.error_bound <= 4 * certificate.rounding_floor(grid.halfspace, floor.state)
     single = solve_on_grid(grid, start.copy(), 0.2, tolerance=1e-3, finish=SINGLE)
     assert single.state.pressure.dtype == np.float32
     assert single.error_bound <= 1e-3
@@ -436,7 +430,7 @@ def test_a_residual_that_leaves_points_out_certifies_nothing():
     plain = grid.residual(iterate.state, precision=SINGLE)
     values = grid.interpolator(SINGLE).values
     active = np.count_nonzero(values)
-    full_bound = error_bound(grid, iterate.state, plain)
+    full_bound = certificate.error_bound(grid, iterate.state, plain)
     iterate.measure(0)
     assert not iterate.residual.certifies
     assert np.count_nonzero(values) < active

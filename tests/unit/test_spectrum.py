@@ -4,6 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 from scipy.ndimage import map_coordinates
 
 import roughcontact as rc
@@ -27,9 +28,7 @@ def test_the_waves_make_up_the_mean_square_height(shape):
 def test_the_public_spectrum_makes_up_the_mean_square_height(shape):
     """The integral of C q dq / (2 pi), of a profile of C dq / pi."""
     length = max(shape) * 1e-6
-    height = self_affine_surface(
-        shape, 1e-6, hurst=0.8, shortest=4e-6, longest=length / 8, rms_height=2e-7, seed=3
-    )
+    height = self_affine(shape, 1e-6, (4e-6, length / 8), rms_height=2e-7, seed=3)
     in_micrometres = height.copy(data=1e6 * height.values).assign_attrs(units="um")
     spectrum = rc.power_spectrum(in_micrometres)
     weight = spectrum["wavenumber"] / (2 * np.pi) if 1 not in shape else 1 / np.pi
@@ -120,9 +119,7 @@ def test_other_software_finds_the_same_spectrum():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         from SurfaceTopography import Topography
-    height = self_affine_surface(
-        (96, 128), (2.0, 1.1), hurst=0.7, shortest=4.0, longest=100.0, rms_height=1.0, seed=3
-    )
+    height = self_affine((96, 128), (2.0, 1.1), (4.0, 100.0), hurst=0.7, rms_height=1.0, seed=3)
     topography = Topography(height.values.T, (140.8, 192.0), periodic=True)
     q, averaged, areal = topography.power_spectrum_from_area(
         collocation=np.arange(0.5, 32) * 2 * np.pi / 192, return_map=True

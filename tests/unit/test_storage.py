@@ -16,16 +16,10 @@ import pytest
 import xarray as xr
 
 import roughcontact
+from roughcontact import errors
 from roughcontact.arguments.maps import height_map
 from roughcontact.arguments.variables import describe
 from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import (
-    ConvergenceError,
-    InputFileError,
-    OutputFileError,
-    RoughContactError,
-    SettingsError,
-)
 from roughcontact.io.read import read_height_map
 from roughcontact.results.selection import read_statistics
 from roughcontact.results.storage import (
@@ -107,7 +101,9 @@ def test_a_failure_leaves_what_was_there(tmp_path):
     path = tmp_path / "gap.nc"
     write_dataset(small(), path)
     content_before = path.read_bytes()
-    with pytest.raises(RoughContactError, match=r"no description for the output variables \['slope'\]"):
+    with pytest.raises(
+        errors.RoughContactError, match=r"no description for the output variables \['slope'\]"
+    ):
         write_dataset(small().rename(gap="slope"), path)
     unwritable = small().assign_attrs(note=object())
     with pytest.raises(TypeError):
@@ -134,7 +130,7 @@ def test_a_file_that_is_no_netcdf_is_named(tmp_path):
         ("gap.nc", r"not readable as netCDF .*; delete it \(of a surface: its folder\) and run again"),
         ("absent.nc", "no such file; check the path"),
     ):
-        with pytest.raises(InputFileError, match=f"{name}: {words}"):
+        with pytest.raises(errors.InputFileError, match=f"{name}: {words}"):
             read_dataset(tmp_path / name)
 
 
@@ -149,7 +145,9 @@ def test_a_name_that_looks_like_a_formula_is_text_to_a_spreadsheet(tmp_path):
 
 @pytest.mark.skipif(os.name == "nt", reason="the separator of the system")
 def test_a_folder_that_netcdf_cannot_name_is_the_reason(tmp_path):
-    with pytest.raises(OutputFileError, match="backslash in its path for a separator: rename that folder"):
+    with pytest.raises(
+        errors.OutputFileError, match="backslash in its path for a separator: rename that folder"
+    ):
         write_dataset(small(), tmp_path / "a\\b" / "gap.nc")
 
 
@@ -158,16 +156,18 @@ def test_a_full_disk_is_named_and_what_was_there_stays(disk):
     large = xr.Dataset({"gap": (("y", "x"), np.random.default_rng(0).random((100, 200)))})
     write_dataset(small(), small_disk / "gap.nc")
     content_before = (small_disk / "gap.nc").read_bytes()
-    with pytest.raises(OutputFileError, match=r"gap.nc: cannot be written, the disk is full \(.* MB free\)"):
+    with pytest.raises(
+        errors.OutputFileError, match=r"gap.nc: cannot be written, the disk is full \(.* MB free\)"
+    ):
         write_dataset(large, small_disk / "gap.nc")
     height = height_map(np.zeros((100, 200)), 1e-6)
     maps = large.rename(gap="pressure").expand_dims(load=1).assign_coords(height.coords)
     with (
-        pytest.raises(OutputFileError, match=r"contact.nc: .*disk is full"),
+        pytest.raises(errors.OutputFileError, match=r"contact.nc: .*disk is full"),
         written_load_by_load(small_disk / "contact.nc", [1.0], height) as file,
     ):
         file.write_maps(maps.assign_coords(mean_pressure=("load", [1.0])))
-    with pytest.raises(OutputFileError, match=r"a.txt: .*disk is full"):
+    with pytest.raises(errors.OutputFileError, match=r"a.txt: .*disk is full"):
         write_text("a" * 100_000, small_disk / "a.txt")
     assert [path.name for path in small_disk.iterdir()] == ["gap.nc"]
     assert (small_disk / "gap.nc").read_bytes() == content_before
@@ -180,7 +180,9 @@ def test_the_limit_of_the_size_of_files_is_named(tmp_path):
     resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, limit_before[1]))
     try:
         for write in (lambda path: write_dataset(large, path), lambda path: write_text("a" * 30_000, path)):
-            with pytest.raises(OutputFileError, match=r"gap.nc: cannot be written, a limit .*ulimit -f"):
+            with pytest.raises(
+                errors.OutputFileError, match=r"gap.nc: cannot be written, a limit .*ulimit -f"
+            ):
                 write(tmp_path / "gap.nc")
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limit_before)
@@ -191,7 +193,7 @@ def test_a_read_only_folder_is_named(disk):
     small_disk = disk("size=64k,ro")
     for write in (lambda path: write_dataset(small(), path), lambda path: write_text("a", path)):
         for name in ("gap.nc", "new/gap.nc"):
-            with pytest.raises(OutputFileError, match=rf"{name}: cannot be written, .* is read-only"):
+            with pytest.raises(errors.OutputFileError, match=rf"{name}: cannot be written, .* is read-only"):
                 write(small_disk / name)
 
 
@@ -208,11 +210,13 @@ def test_a_damaged_result_is_named(tmp_path):
             + undamaged[position + 1 :]
         )
         for read in (read_dataset, read_arrays, lambda path: opened_dataset(path).__enter__()):
-            with pytest.raises(InputFileError, match=r"height\.nc: .*; delete it .* and run again"):
+            with pytest.raises(errors.InputFileError, match=r"height\.nc: .*; delete it .* and run again"):
                 read(path)
     path.write_bytes(undamaged.replace(heights[3, 5].tobytes(), heights[3, 6].tobytes()))
     for read in (read_dataset, read_height_map):
-        with pytest.raises(InputFileError, match="damaged, or changed by another program, since it was"):
+        with pytest.raises(
+            errors.InputFileError, match="damaged, or changed by another program, since it was"
+        ):
             read(path)
 
 
@@ -226,7 +230,7 @@ def test_a_result_that_another_program_has_written_is_read(tmp_path):
     assert read_dataset(path)["gap"][0, 0] == 7.0
 
 
-@pytest.mark.parametrize("kind", [SettingsError, FileNotFoundError, MemoryError])
+@pytest.mark.parametrize("kind", [errors.SettingsError, FileNotFoundError, MemoryError])
 def test_an_error_of_something_else_within_an_open_file_passes_as_it_is(tmp_path, kind):
     write_dataset(small(), tmp_path / "gap.nc")
     with pytest.raises(kind, match=r"^level\.order = 0$"), opened_dataset(tmp_path / "gap.nc"):
@@ -340,7 +344,10 @@ def test_what_repeats_takes_little_room(tmp_path):
 
 def test_a_solution_that_fails_half_way_leaves_no_file(tmp_path):
     loads, height = [0.05, 0.2], rough_reference_surface(64)
-    with pytest.raises(ConvergenceError), written_load_by_load(tmp_path / "a.nc", loads, height) as file:
+    with (
+        pytest.raises(errors.ConvergenceError),
+        written_load_by_load(tmp_path / "a.nc", loads, height) as file,
+    ):
         solve_contact(
             height,
             contact_modulus=1.0,
@@ -355,5 +362,5 @@ def test_a_solution_that_fails_half_way_leaves_no_file(tmp_path):
 def test_a_file_without_loads_is_no_file_of_statistics(tmp_path):
     path = tmp_path / "map.nc"
     write_dataset(height_map(np.zeros((4, 4)), 1e-6), path)
-    with pytest.raises(InputFileError, match=r"map\.nc: has no loads .*no file of statistics"):
+    with pytest.raises(errors.InputFileError, match=r"map\.nc: has no loads .*no file of statistics"):
         read_statistics(path)

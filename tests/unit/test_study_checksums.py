@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from measured_files import GIVEN, array, refuses, saved
 
-from roughcontact import read_height_map
-from roughcontact.errors import InputFileError
+from roughcontact import InputFileError, read_height_map
 from roughcontact.io.guards import file_state, sha256, unchanged
 from roughcontact.study import notes
 from roughcontact.study.checksums import checksum

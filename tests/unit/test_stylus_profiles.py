@@ -8,9 +8,8 @@ import scipy
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map
+from roughcontact import HeightMapError, SettingsError, height_map
 from roughcontact.arguments.quantities import percent
-from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.kernels.fourier import halfplane_weights
 from roughcontact.statistics import map_checks
 from roughcontact.surface.preparation.profiles import ProfilesPreparation

@@ -6,25 +6,14 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map
+from roughcontact import height_map, self_affine_surface, write_dataset
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.variables import describe
 from roughcontact.contact.elasticity.subsurface import subsurface_stress, tresca, von_mises
 from roughcontact.results.collect import collect_statistics, summary_table
-from roughcontact.results.storage import write_dataset
-from roughcontact.statistics.subsurface import (
-    add_subsurface_yield,
-    profile_depths,
-    strained_body,
-    strained_body_in_words,
-    stress_columns,
-)
+from roughcontact.statistics import subsurface
 from roughcontact.statistics.targets import target_loads
-from roughcontact.surface.synthetic import (
-    rough_reference_surface,
-    self_affine_surface,
-    westergaard_surface,
-)
+from roughcontact.surface.synthetic import rough_reference_surface, westergaard_surface
 from validation import closed_forms, depth_integral
 
 SOFT = {"youngs_modulus": 2e9, "poissons_ratio": 0.4, "yield_stress": 5e7}
@@ -125,7 +114,7 @@ def test_hertz(ratio):
     points, radius = 256, 0.06
     x = (np.arange(points) + 0.27) / points - 0.5
     pressure = np.sqrt(np.maximum(1 - (x[:, None] ** 2 + x[None, :] ** 2) / radius**2, 0))
-    columns = stress_columns(pressure, (1 / points, 1 / points), poissons_ratio=ratio)
+    columns = subsurface.stress_columns(pressure, (1 / points, 1 / points), poissons_ratio=ratio)
     best = minimize_scalar(
         lambda z: -closed_forms.hertz_von_mises(z, ratio), bounds=(0.1, 2), method="bounded"
     )
@@ -134,7 +123,7 @@ def test_hertz(ratio):
     assert columns["max_tresca_stress"] == pytest.approx(-best.fun, abs=0.004)
     assert columns["max_von_mises_x"] == pytest.approx(0.5, abs=0.01)
     assert columns["max_von_mises_y"] == pytest.approx(0.5, abs=0.01)
-    axis = profile_depths(pressure.shape, (1 / points, 1 / points)) / radius
+    axis = subsurface.profile_depths(pressure.shape, (1 / points, 1 / points)) / radius
     inside = (axis > 0.3) & (axis < 1.5)
     reference = closed_forms.hertz_von_mises(axis[inside], ratio)
     np.testing.assert_allclose(columns["von_mises_profile"][inside], reference, atol=0.006)
@@ -149,7 +138,7 @@ def test_volume_above_yield_of_a_wave(limit, length):
     """
     wave = np.cos(2 * np.pi * np.arange(512 - 512 % length) / length)[None, :]
     q = 2 * np.pi / length
-    columns = stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5, yield_stress=limit)
+    columns = subsurface.stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5, yield_stress=limit)
     z = np.linspace(0, 8, 100001)
     between = z[np.sqrt(3) * z * np.exp(-z) > limit]
     reference = closed_forms.wave_volume_above(limit)
@@ -164,7 +153,7 @@ def test_volume_above_yield_that_changes_along_a_wave(share):
     wave = np.cos(q * np.arange(360))[None, :]
     reduced = np.linspace(0, 8, 8001)
     limit = share * closed_forms.wave_von_mises(reduced, ratio).max()
-    columns = stress_columns(wave, (1.0, 1.0), poissons_ratio=ratio, yield_stress=limit)
+    columns = subsurface.stress_columns(wave, (1.0, 1.0), poissons_ratio=ratio, yield_stress=limit)
 
     def share_above(z):
         cosine_squared = ((limit * np.exp(z)) ** 2 - 3 * z**2) / (1 - 2 * ratio) ** 2
@@ -215,12 +204,12 @@ def rough_contact(shape, step, load, **surface):
 )
 def test_rough_maps_have_the_stresses_of_hundreds_of_depths(shape, step, load, surface):
     pressure, steps, ratio = rough_contact(shape, step, load, **surface), (np.max(step), 1.0), 0.3
-    columns = stress_columns(pressure, steps, poissons_ratio=ratio)
+    columns = subsurface.stress_columns(pressure, steps, poissons_ratio=ratio)
     limits = [share * columns["max_von_mises_stress"] for share in (0.6, 0.8, 0.95)]
     largest, volumes = depth_integral.volume_above(pressure, steps, poissons_ratio=ratio, limits=limits)
     assert columns["max_von_mises_stress"] == pytest.approx(largest, rel=1e-3)
     for limit, volume in zip(limits, volumes, strict=True):
-        above = stress_columns(pressure, steps, poissons_ratio=ratio, yield_stress=limit)
+        above = subsurface.stress_columns(pressure, steps, poissons_ratio=ratio, yield_stress=limit)
         assert above["volume_above_yield"] == pytest.approx(volume, rel=0.005)
     stress_at = subsurface_stress(pressure, steps, poissons_ratio=ratio)
     least_stress = 0.86 * columns["max_von_mises_stress"]  # √3/2 of the largest stress of Tresca, or more
@@ -238,7 +227,9 @@ def test_a_wave_in_a_window_of_any_shape(shape):
     axis = shape.index(length) if shape[0] != shape[1] else 1
     wave = np.expand_dims(np.cos(2 * np.pi * np.arange(length) / length), 1 - axis) * np.ones(shape)
     limit = 0.8 * np.sqrt(3) / np.e
-    columns = stress_columns(2e8 + 1e8 * wave, (step, step), poissons_ratio=0.5, yield_stress=1e8 * limit)
+    columns = subsurface.stress_columns(
+        2e8 + 1e8 * wave, (step, step), poissons_ratio=0.5, yield_stress=1e8 * limit
+    )
     q = 2 * np.pi / (length * step)
     assert columns["max_von_mises_stress"] == pytest.approx(1e8 * np.sqrt(3) / np.e, rel=1e-4)
     assert columns["max_von_mises_depth"] == pytest.approx(1 / q, rel=0.01)
@@ -252,10 +243,10 @@ def test_a_wave_in_a_window_of_any_shape(shape):
 )
 def test_an_extruded_profile_has_the_stresses_of_the_profile(rows, dy):
     profile = rough_contact((1, 200), 1.0, 0.05, hurst=0.8, shortest=4, longest=200)
-    reference = stress_columns(profile, (1.0, 1.0), poissons_ratio=0.3)
+    reference = subsurface.stress_columns(profile, (1.0, 1.0), poissons_ratio=0.3)
     limit = 0.8 * reference["max_von_mises_stress"]
-    reference = stress_columns(profile, (1.0, 1.0), poissons_ratio=0.3, yield_stress=limit)
-    columns = stress_columns(
+    reference = subsurface.stress_columns(profile, (1.0, 1.0), poissons_ratio=0.3, yield_stress=limit)
+    columns = subsurface.stress_columns(
         np.repeat(profile, rows, axis=0), (dy, 1.0), poissons_ratio=0.3, yield_stress=limit
     )
     for name in ("max_von_mises_stress", "max_tresca_stress"):
@@ -301,9 +292,11 @@ def test_the_load_of_first_yield_in_a_long_window(ridges):
     (load,) = target_loads(height, contact_modulus=1e9, target="first_yield", bodies=bodies)
     assert load / full == pytest.approx(0.2, rel=5e-3)
     contact = rc.solve_contact(height, contact_modulus=1e9, mean_pressure=[0.15 * full, 0.25 * full])
-    statistics = add_subsurface_yield(rc.contact_statistics(contact, bodies=bodies, flow="never"), bodies)
+    statistics = subsurface.add_subsurface_yield(
+        rc.contact_statistics(contact, bodies=bodies, flow="never"), bodies
+    )
     assert statistics["first_subsurface_yield_pressure"].item() / full == pytest.approx(0.2, rel=0.01)
-    np.testing.assert_array_equal(statistics["depth"], profile_depths(height.shape, (1e-6, 1e-6)))
+    np.testing.assert_array_equal(statistics["depth"], subsurface.profile_depths(height.shape, (1e-6, 1e-6)))
 
 
 def test_depths_reach_below_the_longest_wave_and_begin_within_the_first_pixel():
@@ -313,7 +306,7 @@ def test_depths_reach_below_the_longest_wave_and_begin_within_the_first_pixel():
         ((30, 60), (2.0, 2.0)),
         ((1, 120), (7, 1)),
     ):
-        depths = profile_depths(shape, steps)
+        depths = subsurface.profile_depths(shape, steps)
         assert depths[0] == 0
         assert np.count_nonzero((depths > 0) & (depths < 0.5 * steps[1])) >= 5
         assert depths[-1] == pytest.approx(240)
@@ -323,38 +316,44 @@ def test_depths_reach_below_the_longest_wave_and_begin_within_the_first_pixel():
 
 def test_no_volume_above_a_yield_stress_that_is_not_reached():
     wave = np.cos(2 * np.pi * np.arange(64) / 64)[None, :]
-    none = stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5, yield_stress=0.64)
+    none = subsurface.stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5, yield_stress=0.64)
     assert none["volume_above_yield"] == 0
     assert closed_forms.wave_volume_above(0.64) == 0
-    assert "volume_above_yield" not in stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5)
+    assert "volume_above_yield" not in subsurface.stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5)
 
 
 def test_the_mean_pressure_strains_all_of_the_body_or_nothing():
     """Its stress p̄ (1 - 2ν)/(1 - ν) acts at every depth: there is no end of what is above a lower limit."""
     flat = np.full((4, 32), 7.0)
-    stress = stress_columns(flat, (1.0, 1.0), poissons_ratio=0.3)["max_von_mises_stress"]
+    stress = subsurface.stress_columns(flat, (1.0, 1.0), poissons_ratio=0.3)["max_von_mises_stress"]
     assert stress == pytest.approx(7 * 0.4 / 0.7)
     wave = flat + np.cos(2 * np.pi * np.arange(32) / 32)
     for pressure in (flat, wave):
-        columns = stress_columns(pressure, (1.0, 1.0), poissons_ratio=0.3, yield_stress=0.99 * stress)
+        columns = subsurface.stress_columns(
+            pressure, (1.0, 1.0), poissons_ratio=0.3, yield_stress=0.99 * stress
+        )
         assert columns["volume_above_yield"] == np.inf
     assert (
-        stress_columns(flat, (1.0, 1.0), poissons_ratio=0.3, yield_stress=1.01 * stress)["volume_above_yield"]
+        subsurface.stress_columns(flat, (1.0, 1.0), poissons_ratio=0.3, yield_stress=1.01 * stress)[
+            "volume_above_yield"
+        ]
         == 0
     )
-    columns = stress_columns(wave, (1.0, 1.0), poissons_ratio=0.3, yield_stress=1.01 * stress)
+    columns = subsurface.stress_columns(wave, (1.0, 1.0), poissons_ratio=0.3, yield_stress=1.01 * stress)
     assert 0 < columns["volume_above_yield"] < 64
 
 
 def test_the_body_that_yields_first():
-    assert strained_body([HARD, SOFT]) is SOFT
+    assert subsurface.strained_body([HARD, SOFT]) is SOFT
     without_yield = {name: value for name, value in HARD.items() if name != "yield_stress"}
-    assert strained_body([without_yield, SOFT | {"yield_stress": None}])["youngs_modulus"] == 2e9
+    assert subsurface.strained_body([without_yield, SOFT | {"yield_stress": None}])["youngs_modulus"] == 2e9
     assert (
-        strained_body([without_yield | {"yield_stress": 1e8}, SOFT | {"yield_stress": None}])["yield_stress"]
+        subsurface.strained_body([without_yield | {"yield_stress": 1e8}, SOFT | {"yield_stress": None}])[
+            "yield_stress"
+        ]
         == 1e8
     )
-    assert strained_body(None) is None
+    assert subsurface.strained_body(None) is None
 
 
 UNKNOWN = {"youngs_modulus": 2e11, "poissons_ratio": 0.3}
@@ -370,18 +369,15 @@ FILM = {"thickness": 1e-6, "youngs_modulus": 4e11, "poissons_ratio": 0.2}
             "body 2, of the lowest yield stress stated",
         ),
         ([UNKNOWN, UNKNOWN | {"layers": [FILM]}], "body 2, the only one with layers"),
-        (
-            [{"base": "rigid", "layers": [FILM]}, UNKNOWN | {"layers": [FILM]}],
-            "body 2, of the softer base",
-        ),
+        ([{"base": "rigid", "layers": [FILM]}, UNKNOWN | {"layers": [FILM]}], "body 2, of the softer base"),
         ([UNKNOWN, SOFT | {"yield_stress": None}], "body 2, the softer one"),
         ([HARD, HARD], "body 1, the first of two alike"),
         ([SOFT], "body 1, the only elastic one"),
     ],
 )
 def test_the_words_name_the_body_that_is_strained(bodies, words):
-    assert strained_body_in_words(bodies) == words
-    assert strained_body(bodies) is bodies[int(words[5]) - 1]
+    assert subsurface.strained_body_in_words(bodies) == words
+    assert subsurface.strained_body(bodies) is bodies[int(words[5]) - 1]
 
 
 @pytest.fixture(scope="module")
@@ -396,7 +392,7 @@ def contact():
 def test_stresses_in_the_statistics(contact, tmp_path):
     limit = {"poissons_ratio": 0.4, "yield_stress": 3e8}
     stats = rc.contact_statistics(contact, bodies=[limit, {"poissons_ratio": 0.3}], flow="never")
-    stats = describe(add_subsurface_yield(stats, [limit, {}]))
+    stats = describe(subsurface.add_subsurface_yield(stats, [limit, {}]))
     assert stats["von_mises_profile"].dims == ("load", "depth")
     assert (stats["von_mises_profile"].max("depth") <= stats["max_von_mises_stress"] * (1 + 1e-12)).all()
     assert (stats["max_von_mises_stress"] < stats["max_pressure"]).all()
@@ -433,7 +429,7 @@ def test_no_yield_between_the_loads(contact):
     for limit in (1.0, 1e15):
         bodies = [{"poissons_ratio": 0.3, "yield_stress": limit}] * 2
         stats = rc.contact_statistics(contact, bodies=bodies, flow="never")
-        assert np.isnan(add_subsurface_yield(stats, bodies)["first_subsurface_yield_pressure"])
+        assert np.isnan(subsurface.add_subsurface_yield(stats, bodies)["first_subsurface_yield_pressure"])
 
 
 def test_stresses_are_computed_where_they_are_asked_for(contact):
@@ -441,10 +437,10 @@ def test_stresses_are_computed_where_they_are_asked_for(contact):
     assert "max_von_mises_stress" not in rc.contact_statistics(contact, bodies=plain, flow="never")
     statistics = rc.contact_statistics(contact, bodies=plain, flow="never", stress="always")
     assert "max_von_mises_stress" in statistics
-    assert add_subsurface_yield(statistics, plain).identical(statistics)
+    assert subsurface.add_subsurface_yield(statistics, plain).identical(statistics)
     never = rc.contact_statistics(contact, bodies=[SOFT, HARD], flow="never", stress="never")
     assert "max_von_mises_stress" not in never
-    assert add_subsurface_yield(never, [SOFT, HARD]).identical(never)
+    assert subsurface.add_subsurface_yield(never, [SOFT, HARD]).identical(never)
     with pytest.raises(rc.SettingsError, match="stress = 'always' needs bodies"):
         rc.contact_statistics(contact, stress="always")
 

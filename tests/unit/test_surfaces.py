@@ -5,11 +5,9 @@ import re
 
 import pytest
 
+from roughcontact import SettingsError, inspect_file, read_height_map
 from roughcontact.arguments.settings.messages import NAME, name_mistake
-from roughcontact.errors import SettingsError
 from roughcontact.interface.command_line.project import surface_names, write_project
-from roughcontact.io.inspection import inspect_file
-from roughcontact.io.read import read_height_map
 from roughcontact.io.request import FILE_OPTIONS
 from roughcontact.study.study import _find_mistakes
 from roughcontact.study.surfaces import (

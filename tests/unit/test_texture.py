@@ -3,15 +3,13 @@
 import numpy as np
 import pytest
 import scipy.ndimage
+from known_surfaces import self_affine
 from scipy.signal import fftconvolve
 from shared_data import DATA
 
-from roughcontact.arguments.maps import height_map, spacing
-from roughcontact.io.read import read_height_map
-from roughcontact.surface.levelling.level import level
+from roughcontact import height_map, level, periodic_window, read_height_map, self_affine_surface
+from roughcontact.arguments.maps import spacing
 from roughcontact.surface.roughness.texture import autocorrelation, decay_lengths, texture_parameters
-from roughcontact.surface.synthetic import self_affine_surface
-from roughcontact.surface.window.periodic_window import periodic_window
 
 # Sal of surfalize 0.19.2, m, plane removed (heights read by SurfaceTopography 1.27.1)
 OTHER_SAL = {"al3d-1.al3d": 12.394400975709353e-6, "x3p-2.x3p": 2.6646858855237e-6}
@@ -124,9 +122,7 @@ def test_the_lay_is_found_at_any_angle(angle):
 
 
 def test_an_isotropic_surface_has_no_lay():
-    height = self_affine_surface(
-        (512, 512), 1e-6, hurst=0.8, shortest=8e-6, longest=60e-6, rms_height=1e-6, seed=5
-    )
+    height = self_affine((512, 512), 1e-6, (8e-6, 60e-6), rms_height=1e-6, seed=5)
     assert texture_parameters(height)["Str"] > 0.75
 
 

@@ -10,23 +10,19 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 from PIL import Image
 from read_charts import read_chart
 
-from roughcontact.arguments.maps import height_map
+from roughcontact import height_map, level, periodic_window, self_affine_surface
 from roughcontact.report import texture_plots
 from roughcontact.report.charts import COLOURS, DASHED, DOTTED
-from roughcontact.surface.levelling.level import level
 from roughcontact.surface.roughness.parameters import shortest_wavelength
 from roughcontact.surface.roughness.spectrum import areal_spectrum, isotropic_spectrum
-from roughcontact.surface.synthetic import self_affine_surface
-from roughcontact.surface.window.periodic_window import periodic_window
 
 
 def window(shape=(96, 128), *, longest=60e-6, **options):
-    rough = self_affine_surface(
-        shape, 1e-6, hurst=0.8, shortest=6e-6, longest=longest, rms_height=2e-7, stretch=4.0, seed=2
-    )
+    rough = self_affine(shape, 1e-6, (6e-6, longest), rms_height=2e-7, stretch=4.0, seed=2)
     return periodic_window(level(rough, outlier_threshold=None), **options)
 
 
@@ -56,9 +52,7 @@ def test_what_was_taken_out_is_shaded():
 def test_the_spectrum_is_drawn_where_its_axes_say():
     """Of a map in nm² µm² and of a profile in nm² µm, at its wavenumbers in rad/µm."""
     for shape, unit, factor in (((48, 64), "nm² µm²", 1e30), ((1, 64), "nm² µm", 1e24)):
-        rough = self_affine_surface(
-            shape, 1e-6, hurst=0.8, shortest=4e-6, longest=30e-6, rms_height=2e-6, seed=2
-        )
+        rough = self_affine(shape, 1e-6, (4e-6, 30e-6), rms_height=2e-6, seed=2)
         window_map = periodic_window(level(rough, outlier_threshold=None))
         drawn = read_chart(texture_plots.spectrum(window_map), log="xy")
         assert {f"C(q) ({unit})", "wavenumber q (rad/µm)", "wavelength (µm)"} <= set(drawn.texts)
@@ -87,10 +81,7 @@ def test_the_band_of_the_spectrum_is_marked_at_its_wavelengths():
 
 
 def test_the_same_picture_a_second_time():
-    for draw in (
-        texture_plots.spectrum,
-        texture_plots.directional_spectrum,
-    ):
+    for draw in (texture_plots.spectrum, texture_plots.directional_spectrum):
         assert draw(window()) == draw(window())
 
 

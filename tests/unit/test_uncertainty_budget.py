@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.quantities import with_interval
@@ -13,7 +14,6 @@ from roughcontact.report.budget_plots import shown_budget
 from roughcontact.results.collect import summary_table
 from roughcontact.results.storage import read_dataset, write_dataset
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
-from roughcontact.surface import synthetic
 from roughcontact.surface.levelling.level import level
 from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import SOURCES, error_budget
@@ -29,9 +29,7 @@ SETTINGS = {"level": {}, "window": {}, "contact": CONTACT}
 
 @pytest.fixture(scope="module")
 def maps():
-    height = synthetic.self_affine_surface(
-        (128, 128), 1e-6, hurst=0.8, shortest=6e-6, longest=3e-5, rms_gradient=0.1, seed=4
-    )[:96, :100]
+    height = self_affine((128, 128), 1e-6, (6e-6, 3e-5), rms_gradient=0.1, seed=4)[:96, :100]
     levelled = level(height)
     return levelled, periodic_window(levelled)
 

@@ -4,20 +4,17 @@ import json
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 
-from roughcontact.contact.solve import solve_contact
+from roughcontact import contact_statistics, solve_contact
 from roughcontact.statistics import checks, map_checks
-from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, worst_result
-from roughcontact.surface import synthetic
 from roughcontact.uncertainty.combination import SOURCES
 
 
 def found(longest, window=(), budget=None, *, levelled=(), statistics=(), **contact):
     """Return {name: check} of a surface with such a longest wave (sides) and sources of its interval."""
-    height = synthetic.self_affine_surface(
-        (96, 96), 1e-6, hurst=0.8, shortest=8e-6, longest=longest * 96e-6, rms_gradient=0.1, seed=2
-    )
+    height = self_affine((96, 96), 1e-6, (8e-6, longest * 96e-6), rms_gradient=0.1, seed=2)
     solved = solve_contact(height, contact_modulus=1e9, mean_pressure=2e7, **contact)
     statistics = contact_statistics(solved).assign(dict(statistics))
     if budget is not None:

@@ -5,14 +5,12 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map
-from roughcontact.errors import HeightMapError
+from roughcontact import HeightMapError, error_budget, height_map, with_uncertainty
 from roughcontact.report.budget_plots import shown_budget
-from roughcontact.statistics.contact_statistics import with_uncertainty
-from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
-from roughcontact.uncertainty.budget import error_budget
+from roughcontact.surface.synthetic import rough_reference_surface
 from roughcontact.uncertainty.combination import uncertainty_table
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, PEAK, PRESSURE, to_scale
 
@@ -28,9 +26,7 @@ def budget_of(height, **settings):
 
 @pytest.fixture(scope="module")
 def rough():
-    return self_affine_surface(
-        (96, 96), 1.0, hurst=0.7, shortest=4.0, longest=24.0, rms_gradient=0.3, seed=8
-    )[:80, :80]
+    return self_affine((96, 96), 1.0, (4.0, 24.0), hurst=0.7, rms_gradient=0.3, seed=8)[:80, :80]
 
 
 @pytest.fixture(scope="module")

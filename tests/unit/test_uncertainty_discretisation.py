@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 
 from roughcontact.arguments.maps import height_map, refined
 from roughcontact.contact.solve import solve_contact
@@ -38,9 +39,7 @@ def test_the_correction_leads_nearer_to_a_finer_solution():
         ((48, 96), 0.7, 6.0, 4),
         ((1, 512), 0.8, 8.0, 5),
     ):
-        window = synthetic.self_affine_surface(
-            shape, 1.0, hurst=hurst, shortest=shortest, longest=24.0, rms_gradient=1.0, seed=seed
-        )
+        window = self_affine(shape, 1.0, (shortest, 24.0), hurst=hurst, rms_gradient=1.0, seed=seed)
         loads = [0.05, 0.3]
         fine = solve_contact(
             refined(window, 4), contact_modulus=1.0, mean_pressure=loads, tolerance=1e-5, reduce=budget_inputs
@@ -88,9 +87,7 @@ def test_narrowest_places_are_not_corrected_and_what_is_flat_has_nothing_to_corr
     rough = synthetic.rough_reference_surface(48)
     values = {AREA: np.full(1, 0.3), GAP: np.full(1, 0.1), CONSTRICTIONS[0]: np.full(1, 0.1)}
     correction, components = discretisation_error(
-        Result(rough, contact | {"mean_pressure": [0.05]}, values),
-        pixel_share=np.full(1, 0.32),
-        peak_index=0,
+        Result(rough, contact | {"mean_pressure": [0.05]}, values), pixel_share=np.full(1, 0.32), peak_index=0
     )
     width = components[CONSTRICTIONS[0]][1].item()
     assert correction[CONSTRICTIONS[0]].item() == 0 < width
@@ -105,9 +102,7 @@ def test_narrowest_places_are_not_corrected_and_what_is_flat_has_nothing_to_corr
 
 
 def test_the_part_of_a_large_window_surrounds_the_peak():
-    window = synthetic.self_affine_surface(
-        (256, 300), 1.0, hurst=0.8, shortest=8.0, longest=64.0, rms_gradient=0.5, seed=1
-    )
+    window = self_affine((256, 300), 1.0, (8.0, 64.0), rms_gradient=0.5, seed=1)
     part, _ = discretisation.periodic_interpolant(window, 5 * 300 + 299)  # across both seams of the period
     assert part.shape == (128, 150)
     around = np.roll(window.values, (64 - 5, 75 - 299), (0, 1))[:128, :150]

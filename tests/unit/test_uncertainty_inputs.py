@@ -5,14 +5,12 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 
+from roughcontact import SettingsError, error_budget, evaluate, self_affine_surface, solve_contact
 from roughcontact.arguments.ranges import ends
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import SettingsError
-from roughcontact.evaluation.evaluate import evaluate
-from roughcontact.surface.synthetic import self_affine_surface, westergaard_surface
-from roughcontact.uncertainty.budget import error_budget
+from roughcontact.surface.synthetic import westergaard_surface
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.headline import headline_names
@@ -29,9 +27,7 @@ LOADS = {"one": [0.13], "many": [0.3, 0.05, 0.13]}  # over E* g; in any order
 @pytest.fixture(scope="module")
 def surface() -> xr.DataArray:
     """Return a periodic self-affine surface with 8 points per shortest wave."""
-    return self_affine_surface(
-        (72, 72), 0.4e-6, hurst=0.8, shortest=3.2e-6, longest=14.4e-6, rms_gradient=GRADIENT, seed=3
-    )
+    return self_affine((72, 72), 0.4e-6, (3.2e-6, 14.4e-6), rms_gradient=GRADIENT, seed=3)
 
 
 def problem(kind: str, loads: list[float], source: str = "", factor: float = 1.0) -> dict:

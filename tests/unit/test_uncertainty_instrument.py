@@ -6,15 +6,14 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from known_surfaces import noisy
+from known_surfaces import noisy, self_affine
 from scipy.ndimage import grey_dilation
 
 import roughcontact as rc
-from roughcontact.arguments.maps import height_map, refined, spacing
-from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import SettingsError
+from roughcontact import SettingsError, height_map, self_affine_surface, solve_contact
+from roughcontact.arguments.maps import refined, spacing
 from roughcontact.surface.roughness.parameters import rms_gradient
-from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.surface.synthetic import rough_reference_surface
 from roughcontact.surface.window.instrument import check_instrument, stated_instrument
 from roughcontact.surface.window.transfer import (
     eroded,
@@ -25,19 +24,13 @@ from roughcontact.surface.window.transfer import (
     undone,
     unrounded,
 )
+from roughcontact.uncertainty import unresolved
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.calibration import octave_arms
 from roughcontact.uncertainty.combination import sum_of_causes
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.instrument import instrument_components
 from roughcontact.uncertainty.scales import ANSWERS, AREA, GAP, PEAK, PRESSURE, QUANTITIES, to_scale
-from roughcontact.uncertainty.unresolved import (
-    growth_by_finer_spectrum,
-    hidden_waves,
-    magnification_curve,
-    next_octave,
-    remove_shortest_waves,
-)
 
 MODULUS = 1e9
 LENS = {"numerical_aperture": 0.3, "wavelength": 0.55e-6}
@@ -46,9 +39,7 @@ LENS = {"numerical_aperture": 0.3, "wavelength": 0.55e-6}
 @pytest.fixture(scope="module")
 def surface() -> xr.DataArray:
     """Return a periodic self-affine surface with waves from 1.6 to 32 um, rough to its pixels of 0.4 um."""
-    return self_affine_surface(
-        (160, 160), 0.4e-6, hurst=0.8, shortest=1.6e-6, longest=32e-6, rms_gradient=0.1, seed=3
-    )
+    return self_affine((160, 160), 0.4e-6, (1.6e-6, 32e-6), rms_gradient=0.1, seed=3)
 
 
 def loads(window: xr.DataArray, *relative: float) -> list[float]:
@@ -158,7 +149,7 @@ def test_chance_of_noise_is_part_of_the_interval():
 
 
 def test_noise_that_is_all_of_the_gradient_leaves_no_upper_end(surface):
-    smooth = remove_shortest_waves(surface, 6.4e-6)
+    smooth = unresolved.remove_shortest_waves(surface, 6.4e-6)
     noise = 0.5 * float(smooth.std())
     measured = noisy(smooth, noise)
     pressures = loads(measured, 0.05)
@@ -215,12 +206,12 @@ def shortest_wave(height: xr.DataArray) -> float:
 
 
 def test_coarser_maps_keep_the_longer_waves(surface):
-    coarse = remove_shortest_waves(surface, 3.2e-6)
+    coarse = unresolved.remove_shortest_waves(surface, 3.2e-6)
     assert coarse.shape == (60, 60)  # three points to a wave
     q = np.abs(np.fft.fft2(surface.values))[:15, :15] / surface.size
     assert np.allclose(np.abs(np.fft.fft2(coarse.values))[:15, :15] / coarse.size, q, rtol=0, atol=1e-15)
     assert shortest_wave(coarse) == pytest.approx(3.2e-6, rel=0.02)  # in all directions
-    profile = remove_shortest_waves(surface[:1], 1.6e-6)
+    profile = unresolved.remove_shortest_waves(surface[:1], 1.6e-6)
     assert profile.shape == (1, 120)
     assert spacing(profile) == pytest.approx((160 / 120 * 0.4e-6,) * 2)
 
@@ -229,7 +220,7 @@ def test_coarser_maps_keep_the_longer_waves(surface):
 def test_the_cut_off_is_the_shortest_wave_that_is_kept(shape, pitch):
     window = height_map(1e-7 * np.random.default_rng(2).standard_normal(shape), pitch)
     pressures = loads(window, 0.2)
-    curve = magnification_curve(result_of(window, pressures, results(window, pressures)))
+    curve = unresolved.magnification_curve(result_of(window, pressures, results(window, pressures)))
     cutoffs, gradients = curve["cutoff_wavelength"][1], curve["gradient_at_cutoff"][1]
     assert cutoffs[0] == pytest.approx(shortest_wave(window))  # along the diagonal
     assert cutoffs.size == 3
@@ -237,7 +228,7 @@ def test_the_cut_off_is_the_shortest_wave_that_is_kept(shape, pitch):
         if octave:
             area = math.pi / (math.sqrt(math.pi * math.prod(pitch)) * 2**octave) ** 2
             assert area == pytest.approx(1 / math.prod(pitch) / 4**octave)  # as many waves as of such pixels
-            filtered = remove_shortest_waves(window, cutoff)
+            filtered = unresolved.remove_shortest_waves(window, cutoff)
             assert shortest_wave(filtered) == pytest.approx(cutoff, rel=1e-9)
             assert rms_gradient(filtered) == pytest.approx(gradient, rel=1e-12)
             assert cutoff == pytest.approx(math.sqrt(math.pi * math.prod(pitch)) * 2**octave, rel=0.02)
@@ -248,7 +239,7 @@ def test_a_band_that_the_settings_cut_off_begins_the_magnification_curve():
     problem = {"contact_modulus": 1.0, "mean_pressure": loads(window, 0.1)}
     problem["mean_pressure"] = [pressure / MODULUS for pressure in problem["mean_pressure"]]
     solved = solve_contact(window, **problem, reduce=budget_inputs)
-    curve = magnification_curve(result_of(window, problem["mean_pressure"], solved, modulus=1.0))
+    curve = unresolved.magnification_curve(result_of(window, problem["mean_pressure"], solved, modulus=1.0))
     assert curve["cutoff_wavelength"][1][:2] == pytest.approx(5 / 96, rel=0.02)
     assert curve["cutoff_wavelength"][1][2] > 6 / 96
 
@@ -256,7 +247,7 @@ def test_a_band_that_the_settings_cut_off_begins_the_magnification_curve():
 def test_the_magnification_curve_begins_with_the_result_and_ends_smoother(surface):
     pressures = loads(surface, 0.05)
     solved = results(surface, pressures)
-    curve = magnification_curve(result_of(surface, pressures, solved))
+    curve = unresolved.magnification_curve(result_of(surface, pressures, solved))
     area = curve["relative_contact_area_at_cutoff"][1][0]
     assert area[0] == solved["relative_contact_area"][0]
     assert (np.diff(area[1:]) > 0).all()
@@ -264,11 +255,9 @@ def test_the_magnification_curve_begins_with_the_result_and_ends_smoother(surfac
 
 @pytest.mark.parametrize("hurst", [0.5, 0.9])
 def test_results_by_wave_are_those_of_the_same_waves_on_a_fine_grid(hurst):
-    window = self_affine_surface(
-        (160, 160), 1e-6, hurst=hurst, shortest=2e-6, longest=50e-6, rms_gradient=0.1, seed=1
-    )
+    window = self_affine((160, 160), 1e-6, (2e-6, 50e-6), hurst=hurst, rms_gradient=0.1, seed=1)
     pressures = loads(window, 0.05, 0.2)
-    curve = magnification_curve(result_of(window, pressures, results(window, pressures)))
+    curve = unresolved.magnification_curve(result_of(window, pressures, results(window, pressures)))
     q = np.hypot(np.fft.fftfreq(160, 1e-6)[:, None], np.fft.rfftfreq(160, 1e-6))
     for entry, cutoff in enumerate(curve["cutoff_wavelength"][1][1:], start=1):
         spectrum = np.fft.rfft2(window.values) * (q <= 1.0001 / cutoff)
@@ -286,14 +275,12 @@ def test_results_by_wave_are_those_of_the_same_waves_on_a_fine_grid(hurst):
 
 
 def test_a_finer_spectrum_tells_the_true_gradient_and_a_profile_how_well_it_does():
-    fine = self_affine_surface(
-        (512, 512), 1e-6, hurst=0.6, shortest=4e-6, longest=128e-6, rms_gradient=0.1, seed=5
-    )
-    coarse = remove_shortest_waves(fine, 16e-6)
+    fine = self_affine((512, 512), 1e-6, (4e-6, 128e-6), hurst=0.6, rms_gradient=0.1, seed=5)
+    coarse = unresolved.remove_shortest_waves(fine, 16e-6)
     true = math.log(rms_gradient(fine) / rms_gradient(coarse))
-    growth, limit = growth_by_finer_spectrum(coarse, fine[:256, :256])
+    growth, limit = unresolved.growth_by_finer_spectrum(coarse, fine[:256, :256])
     assert growth == limit == pytest.approx(true, rel=0.1)
-    lines = [growth_by_finer_spectrum(coarse, fine[k : k + 1]) for k in range(0, 512, 16)]
+    lines = [unresolved.growth_by_finer_spectrum(coarse, fine[k : k + 1]) for k in range(0, 512, 16)]
     growth, limit = np.array(lines).T
     assert np.median(growth) == pytest.approx(true, rel=0.1)
     assert np.median(limit - growth) == pytest.approx(2 * np.std(growth), rel=0.5)
@@ -358,7 +345,7 @@ def curve_of(gradients):
 def test_hidden_waves_continue_the_trend_over_two_octaves_at_most(shortest, octaves):
     window = height_map(np.random.default_rng(0).standard_normal((64, 64)), 1.0)
     instrument = {"resolution": shortest / shortest_transmitted({"resolution": 1.0})}
-    components = hidden_waves(window, curve_of([0.4, 0.3, 0.2, 0.1, 0.0]), instrument, {})
+    components = unresolved.hidden_waves(window, curve_of([0.4, 0.3, 0.2, 0.1, 0.0]), instrument, {})
     if not octaves:
         assert components == {}
         return
@@ -368,13 +355,14 @@ def test_hidden_waves_continue_the_trend_over_two_octaves_at_most(shortest, octa
 
 def test_the_next_octave_follows_a_finer_spectrum_where_one_is_known():
     """Of a map cut off at an eighth of the waves of a finer one the shift is the finer one's growth."""
-    fine = self_affine_surface(
-        (256, 256), 1e-6, hurst=0.6, shortest=4e-6, longest=64e-6, rms_gradient=0.1, seed=5
-    )
-    coarse = remove_shortest_waves(fine, 16e-6)
+    fine = self_affine((256, 256), 1e-6, (4e-6, 64e-6), hurst=0.6, rms_gradient=0.1, seed=5)
+    coarse = unresolved.remove_shortest_waves(fine, 16e-6)
     curve = curve_of([0.4, 0.3, 0.2, 0.1, 0.0])
-    growth, _ = growth_by_finer_spectrum(coarse, rc.level(fine))
-    from_spectrum, guessed = next_octave(coarse, curve, fine), next_octave(coarse, curve)
+    growth, _ = unresolved.growth_by_finer_spectrum(coarse, rc.level(fine))
+    from_spectrum, guessed = (
+        unresolved.next_octave(coarse, curve, fine),
+        unresolved.next_octave(coarse, curve),
+    )
     assert from_spectrum[PEAK][0].item() == pytest.approx(0.1 * min(growth / 0.1, 4.0))
     assert guessed[PEAK][0].item() == 0
     assert (guessed[PEAK][1][:2] > 0).all()
@@ -382,7 +370,7 @@ def test_the_next_octave_follows_a_finer_spectrum_where_one_is_known():
 
 def test_the_next_octave_bounds_every_quantity_to_both_sides():
     """Full contacts of the bank, which have no gap and no last change to scale by, leave no end open."""
-    octave = next_octave(height_map(np.zeros((64, 64)), 1e-6), curve_of([0.4, 0.3, 0.2, 0.1, 0.0]))
+    octave = unresolved.next_octave(height_map(np.zeros((64, 64)), 1e-6), curve_of([0.4, 0.3, 0.2, 0.1, 0.0]))
     for name in (AREA, GAP, PEAK, *ANSWERS):
         assert np.isfinite(octave_arms(name)).all(), name
     for name, (shift, component) in octave.items():

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from known_surfaces import contact, surface
+from known_surfaces import contact, self_affine, surface
 
 from roughcontact.arguments.maps import height_map
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.surface.levelling.level import level
-from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs
@@ -106,9 +105,7 @@ def test_units_order_of_the_loads_and_a_half_turn_change_nothing(heights, budget
 
 @pytest.mark.parametrize("shape", [(1, 22), (20, 20)])
 def test_a_map_too_small_for_parts_has_open_ends(shape):
-    rough = self_affine_surface(
-        (1 if shape[0] == 1 else 64, 64), 1.0, hurst=0.8, shortest=4.0, longest=32.0, rms_gradient=0.1
-    )
+    rough = self_affine((1 if shape[0] == 1 else 64, 64), 1.0, (4.0, 32.0), rms_gradient=0.1)
     result = budget_of(rough.values[: shape[0], : shape[1]], contact(0.05))
     assert "too small" in result.attrs["window_flag"]
     assert [bound.item() for bound in ends(result, AREA)] == [0, 1]
@@ -127,9 +124,7 @@ def test_full_contact_has_no_gap_and_the_hardness_is_a_limit(heights):
 
 def test_a_largest_pressure_at_the_hardness_stays_there():
     """The part of the window with finer pixels may be without the point that flows."""
-    heights = self_affine_surface(
-        (160, 160), 1.0, hurst=0.8, shortest=3, longest=80, rms_gradient=0.1, seed=9
-    ).values
+    heights = self_affine((160, 160), 1.0, (3, 80), rms_gradient=0.1, seed=9).values
     for heaviest in (1e6, 2e7):
         problem = {"contact_modulus": 1e9, "hardness": 120e6, "mean_pressure": [2e5, 3e5, heaviest]}
         result = budget_of(heights, problem, sources=["solver", "discretisation"])
@@ -158,9 +153,7 @@ def test_layers_and_profiles_have_intervals(heights):
     layer = {"youngs_modulus": 0.75, "poissons_ratio": 0.5, "thickness": 3.0}
     bodies = [{"youngs_modulus": 3.0, "poissons_ratio": 0.5, "layers": [layer]}]
     layered = {"bodies": bodies, "mean_pressure": [0.02]}
-    profile = self_affine_surface(
-        (1, 512), 1.0, hurst=0.8, shortest=8.0, longest=64.0, rms_gradient=0.1, seed=3
-    ).values[:, :400]
+    profile = self_affine((1, 512), 1.0, (8.0, 64.0), rms_gradient=0.1, seed=3).values[:, :400]
     for values, problem in ((heights, layered), (profile, contact(0.1))):
         result = budget_of(values, problem, sources=["window"])
         for name in QUANTITIES:

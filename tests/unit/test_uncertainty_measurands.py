@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact.surface.levelling.level import level
+from roughcontact import error_budget, level, periodic_window
 from roughcontact.surface.synthetic import rough_reference_surface
-from roughcontact.surface.window.periodic_window import periodic_window
-from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.calibration import JOINT, MEASURANDS
 from roughcontact.uncertainty.combination import one_sided
 from roughcontact.uncertainty.ensemble import Result

@@ -4,17 +4,11 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.errors import HeightMapError
+from roughcontact import HeightMapError, self_affine_surface
 from roughcontact.surface.faces.placing import overview_with_place, recorded_place
-from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.uncertainty.calibration import overview_arms, table
 from roughcontact.uncertainty.ensemble import Result, solve_member
-from roughcontact.uncertainty.overview import (
-    field_ratios,
-    transfers_of,
-    window_of_place,
-    windows_of_places,
-)
+from roughcontact.uncertainty.overview import field_ratios, transfers_of, window_of_place, windows_of_places
 from roughcontact.uncertainty.scales import AREA, GAP, to_scale
 
 PITCH = 1e-6

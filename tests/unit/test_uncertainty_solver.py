@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from roughcontact.contact.solve import solve_contact
-from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact import contact_statistics, solve_contact
 from roughcontact.surface import synthetic
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.discretisation import CORRECTED

@@ -2,13 +2,9 @@
 
 import numpy as np
 import pytest
-from known_surfaces import GRADIENT, contact, surface
+from known_surfaces import GRADIENT, contact, self_affine, surface
 
-from roughcontact.arguments.maps import height_map
-from roughcontact.errors import SettingsError
-from roughcontact.surface.levelling.level import level
-from roughcontact.surface.synthetic import self_affine_surface
-from roughcontact.surface.window.periodic_window import periodic_window
+from roughcontact import SettingsError, height_map, level, periodic_window
 from roughcontact.uncertainty import sample, subwindows
 from roughcontact.uncertainty.ensemble import Result, solve_member
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, extend_to_loads, to_scale
@@ -128,9 +124,7 @@ def test_any_way_to_make_periodic(method):
 
 
 def test_profile_is_cut_into_nine():
-    profile = self_affine_surface(
-        (1, 1024), 1.0, hurst=0.8, shortest=8.0, longest=64.0, rms_gradient=GRADIENT, seed=3
-    )
+    profile = self_affine((1, 1024), 1.0, (8.0, 64.0), rms_gradient=GRADIENT, seed=3)
     _, scatter = scattered(level(profile[:, :700]), contact(0.1))
     assert len(scatter.slices) == 9
     assert scatter.features[AREA]["lay"] == 0.5  # a profile has none

@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from roughcontact import SettingsError, solve_contact
 from roughcontact.arguments.maps import spacing
-from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import SettingsError
 from roughcontact.surface import synthetic
 from validation import __main__ as command
 from validation import closed_forms, convergence, page, paper

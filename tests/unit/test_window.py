@@ -7,15 +7,12 @@ import numpy as np
 import pytest
 from shared_data import DATA
 
+from roughcontact import HeightMapError, SettingsError, height_map, level, periodic_window, read_height_map
 from roughcontact.arguments.choices import Placement, WindowMethod
-from roughcontact.arguments.maps import height_map, spacing
-from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.io.read import read_height_map
+from roughcontact.arguments.maps import spacing
 from roughcontact.statistics.map_checks import FORM
 from roughcontact.surface import synthetic
-from roughcontact.surface.levelling.level import level
 from roughcontact.surface.roughness.parameters import rms_gradient, rms_height
-from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.surface.window.rectangle import largest_rectangle
 from roughcontact.surface.window.sides import friendly_sides
 

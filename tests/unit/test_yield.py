@@ -5,16 +5,16 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 
 import roughcontact as rc
+from roughcontact import contact_statistics, first_yield_pressure, height_map
 from roughcontact.arguments import materials
-from roughcontact.arguments.maps import height_map
 from roughcontact.arguments.quantities import percent, quantity
 from roughcontact.contact.loads import plan_loads
 from roughcontact.report.tables import material_table
 from roughcontact.statistics import checks, contact_checks
-from roughcontact.statistics.contact_statistics import contact_statistics
-from roughcontact.statistics.first_yield import add_first_yield, first_yield_pressure
+from roughcontact.statistics.first_yield import add_first_yield
 from roughcontact.statistics.outcome import (
     FAILED,
     NOT_MADE,
@@ -26,7 +26,7 @@ from roughcontact.statistics.outcome import (
     not_passed,
     worst_result,
 )
-from roughcontact.surface.synthetic import self_affine_surface, westergaard_surface
+from roughcontact.surface.synthetic import westergaard_surface
 from validation import closed_forms
 
 MODULUS = 1e11
@@ -45,9 +45,7 @@ def hertz_load(hardness):
 
 
 def rough(points=96):
-    return self_affine_surface(
-        (points, points), 1e-6, hurst=0.8, shortest=8e-6, longest=48e-6, rms_gradient=0.03, seed=3
-    )
+    return self_affine((points, points), 1e-6, (8e-6, 48e-6), rms_gradient=0.03, seed=3)
 
 
 def test_shares_of_load_and_area_beyond_a_hardness_under_a_sphere():
@@ -189,10 +187,7 @@ def test_the_report_shows_what_some_hardnesses_would_mean():
     first_yield = quantity(float(statistics["first_yield_pressure_by_ratio"][2]), "Pa")
     assert [row[3] for row in table["rows"]] == [below, below, first_yield, above]
     assert table["rows"][3][4:] == ["0 %, 0 %", "0 %, 0 %"]
-    assert table["header"][4:] == [
-        "load, area above H at 3.00 MPa",
-        "load, area above H at 300 MPa",
-    ]
+    assert table["header"][4:] == ["load, area above H at 3.00 MPa", "load, area above H at 300 MPa"]
     share = float(statistics["load_share_above_ratio"][2, 1])
     assert table["rows"][1][5].startswith(percent(share))
     assert material_table(solved, [0]) is None  # first yield was not looked for
@@ -219,24 +214,12 @@ def per_load(modulus, mean, largest, **further):
         (1.154e11, [0.005, 0.01], [0.01, 0.0301], REVIEW, "from 2.00 MPa on"),
         (1.154e11, [0.005, 0.01], [0.01, 0.03], NOT_MADE, "Not made, no hardness is stated"),
         (1.154e11, 1e-5, 1e-4, NOT_MADE, "State the hardness"),
-        (
-            1.154e11,
-            [0.05, 0.101],
-            [0.1, 0.2],
-            FAILED,
-            "from 2.00 MPa on, the contact is beyond what any",
-        ),
+        (1.154e11, [0.05, 0.101], [0.1, 0.2], FAILED, "from 2.00 MPa on, the contact is beyond what any"),
         (1e8, 0.05, 0.1, REVIEW, "At 1.00 MPa metals would flow"),
         (5e6, 0.9, 2.0, NOT_MADE, "rubber-like solids (E* below 100 MPa) bear that"),
         (5e6, 1.1, 2.0, REVIEW, "More than rubber bears"),
         # 115000, which is steel in MPa: only the yield of a metal casts doubt on a gel
-        (
-            1.154e5,
-            0.02,
-            0.06,
-            NOT_MADE,
-            "If it was given in MPa, it is 115 GPa, and metals flow there",
-        ),
+        (1.154e5, 0.02, 0.06, NOT_MADE, "If it was given in MPa, it is 115 GPa, and metals flow there"),
         (1.154e5, 0.005, 0.01, NOT_MADE, "rubber-like solids (E* below 100 MPa) bear that"),
     ],
 )
@@ -339,12 +322,7 @@ def test_what_was_not_made_neither_helps_nor_harms():
     ("modulus", "loads", "outcome", "words"),
     [
         (115.0, [1e6], REVIEW, "did you mean 115 GPa or 115 MPa?"),
-        (
-            1.15e11,
-            [1.0, 1e6],
-            REVIEW,
-            "At 1 of 2 loads the mean pressure is implausible: 1.00 Pa is next",
-        ),
+        (1.15e11, [1.0, 1e6], REVIEW, "At 1 of 2 loads the mean pressure is implausible: 1.00 Pa is next"),
         (1.15e11, [1e12], REVIEW, "more than any contact bears"),
         (1.15e11, [1e6, 1e8], PASSED, "115 GPa and loads of 1.00 MPa to 100 MPa"),
         (2e4, [50.0], PASSED, "20.0 kPa and loads of 50.0 Pa"),

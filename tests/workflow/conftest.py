@@ -23,8 +23,7 @@ def finished(tmp_path_factory, checkout):
     project = Project(tmp_path_factory.mktemp("first") / "a study with spaces", checkout)
     write_maps(project.path("measured"))
     project.write()
-    project.first = project.run()
-    assert project.first.returncode == 0, project.first.stderr
+    project.first = project.succeed()
     return project
 
 
@@ -34,8 +33,7 @@ def finished_quickly(tmp_path_factory, checkout):
     project = Project(tmp_path_factory.mktemp("finished") / "project", checkout)
     write_maps(project.path("measured"))
     project.write(QUICK)
-    first_run = project.run()
-    assert first_run.returncode == 0, first_run.stderr
+    project.succeed()
     return project
 
 

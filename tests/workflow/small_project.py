@@ -48,6 +48,12 @@ class Project:
         run.stderr += run.stdout
         return run
 
+    def succeed(self, *arguments) -> subprocess.CompletedProcess:
+        """Run the workflow to its end, without an error."""
+        run = self.run(*arguments)
+        assert run.returncode == 0, run.stderr
+        return run
+
     def jobs(self, *arguments) -> dict[str, int]:
         """Return how many jobs of each rule a run would have, the final target left out."""
         return counted(self.run("--dry-run", *arguments))

@@ -32,13 +32,13 @@ from packaging.requirements import Requirement
 from starlette.datastructures import QueryParams
 
 from data_samples.make_samples import matrix_bytes, profile_bytes, sdf_bytes, x3p_bytes
+from roughcontact import InputFileError, SettingsError, self_affine_surface
 from roughcontact.arguments.rectangles import parse_rectangles
 from roughcontact.arguments.settings.fields import field_at, is_list, section_model, value_at
 from roughcontact.arguments.settings.models import Body, Settings
 from roughcontact.arguments.settings.plausible import setting_base
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.units import printed
-from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.interface.app import commands, measurements, server
 from roughcontact.interface.app.jobs import JOBS
 from roughcontact.interface.app.measurements import save_upload
@@ -47,12 +47,8 @@ from roughcontact.interface.app.study import CONFIG, check
 from roughcontact.io import inspection, registry
 from roughcontact.report.summary import Summary, write_summary
 from roughcontact.study.surfaces import column_choices, column_meaning, read_surfaces
-from roughcontact.surface.synthetic import self_affine_surface
 
-in_browser = [
-    pytest.mark.browser,
-    pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed"),
-]
+in_browser = [pytest.mark.browser, pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")]
 SUMMARY = {key: [] if key in ("reasons", "doubts", "loads") else "use" for key in Summary.__annotations__}
 ROOT = Path(__file__).parents[2]
 ROUGHNESS = {"hurst": 0.8, "shortest": 8e-6, "longest": 32e-6, "rms_gradient": 0.1}
@@ -872,18 +868,7 @@ class TestNothingOutsideTheStudy:
 
 def shapes():
     """Settings with values of every shape in the place of others: of each setting three shapes, in turn."""
-    values = [
-        3,
-        True,
-        None,
-        "text",
-        [3, [4]],
-        [[4]],
-        {"99": {"a": 1}},
-        {1: 2},
-        [{"0": "a"}],
-        {"a": {"b": 1}},
-    ]
+    values = [3, True, None, "text", [3, [4]], [[4]], {"99": {"a": 1}}, {1: 2}, [{"0": "a"}], {"a": {"b": 1}}]
     bodies = [[body, "steel"] for body in (*values, *({"layers": value} for value in values))]
     yield from (
         {"contact": {"bodies": value}} for value in (*values, *bodies, [{"youngs_modulus": {"a": 1}}])

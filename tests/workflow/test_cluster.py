@@ -10,10 +10,7 @@ import pytest
 import yaml
 from small_project import ROOT, Project
 
-SETTINGS = {
-    "surfaces": "surfaces.tsv",
-    "contact": {"contact_modulus": 1e9, "relative_pressure": [0.05, 0.2]},
-}
+SETTINGS = {"surfaces": "surfaces.tsv", "contact": {"contact_modulus": 1e9, "relative_pressure": [0.05, 0.2]}}
 PROFILE = ROOT / "workflow/profiles/slurm"
 
 
@@ -29,8 +26,7 @@ def project(tmp_path):
 
 
 def test_a_job_asks_for_what_its_own_map_needs(project):
-    run = project.run("--dry-run")
-    assert run.returncode == 0, run.stderr
+    run = project.succeed("--dry-run")
     resources = {}
     for rule, text in re.findall(r"^rule (\w+):\n((?: .*\n)+)", run.stderr, re.MULTILINE):
         if surface := re.search(r"wildcards: result=(\w+)", text):

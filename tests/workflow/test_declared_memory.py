@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
+from known_surfaces import self_affine
 from small_project import ROOT, SETTINGS, Project, write_maps
-
-from roughcontact.surface.synthetic import self_affine_surface
 
 JOBS = ("prepare", "contact", "panel", "report")
 LOADS = [0.02, 0.1, 0.3]
@@ -58,9 +57,7 @@ def measured(project: Project) -> dict[str, tuple[int, float]]:
 def of_map(folder: Path, size: int) -> dict[str, tuple[int, float]]:
     """Return what each job declared and took for a map of so many points by side."""
     project = Project(folder, ROOT)
-    heights = self_affine_surface(
-        (size, size), 1.0, hurst=0.8, shortest=8, longest=size / 4, rms_gradient=0.1, seed=1
-    )
+    heights = self_affine((size, size), 1.0, (8, size / 4), rms_gradient=0.1, seed=1)
     np.save(project.path("measured/map.npy"), heights.values)
     contact = SETTINGS["contact"] | {"relative_pressure": LOADS}
     project.write(

@@ -9,14 +9,12 @@ import pytest
 import yaml
 from small_project import SETTINGS, Project
 
-from roughcontact.errors import InputFileError
+from roughcontact import InputFileError, read_dataset, self_affine_surface
 from roughcontact.io.guards import sha256
-from roughcontact.results.storage import read_dataset
 from roughcontact.study.crate import write_crate
 from roughcontact.study.failures import report_finished
 from roughcontact.study.plan import Plan
 from roughcontact.study.study import read_study
-from roughcontact.surface.synthetic import self_affine_surface
 
 NOISE = 5e-9  # m
 
@@ -46,8 +44,7 @@ def project(tmp_path_factory, checkout):
     contact = SETTINGS["contact"] | {"contact_modulus_uncertainty": 0.05}
     instrument = {"amplification_z": 0.01, "finer_spectrum": "measured/finer.txt"}
     project.write(SETTINGS | {"contact": contact, "instrument": instrument}, table)
-    project.last = project.run()
-    assert project.last.returncode == 0, project.last.stderr
+    project.last = project.succeed()
     return project
 
 
@@ -62,14 +59,7 @@ def test_repeats_give_the_noise_of_both(project):
 def test_all_sources_are_in_every_table(project):
     table = pd.read_csv(project.path("results/uncertainty.csv"))
     area = table[(table["surface"] == "first") & (table["quantity"] == "relative_contact_area")]
-    sources = [
-        "solver",
-        "discretisation",
-        "window",
-        "instrument",
-        "material",
-        "combined",
-    ]
+    sources = ["solver", "discretisation", "window", "instrument", "material", "combined"]
     assert sorted(set(area["source"])) == sorted(sources)
     summary = pd.read_csv(project.path("results/summary.csv"))
     combined = table[(table["source"] == "combined") & (table["quantity"] == "mean_gap")]
@@ -153,8 +143,7 @@ def test_a_case_that_is_corrected_has_its_own_window_and_says_so(tmp_path, check
     cases = {"measured": {}, "corrected": {"instrument": {"correct": True}}}
     settings = SETTINGS | {"uncertainty": {"sources": []}, "instrument": {"noise": NOISE}, "cases": cases}
     project.write(settings, ["surface\tpath\tunit\tdx\tdy", "one\tmeasured/one.npy\tum\t1\t1"])
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    project.succeed()
     window, corrected = (
         read_dataset(project.path(f"results/{case}/one/window.nc"))["height"] for case in cases
     )

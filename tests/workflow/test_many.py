@@ -14,11 +14,7 @@ from small_project import Project
 from roughcontact.surface.synthetic import self_affine_surface
 
 SIDE = 32
-CASES = {
-    "hard": {},
-    "soft": {"contact": {"contact_modulus": 1e8}},
-    "binned": {"statistics": {"gap_bins": 5}},
-}
+CASES = {"hard": {}, "soft": {"contact": {"contact_modulus": 1e8}}, "binned": {"statistics": {"gap_bins": 5}}}
 SETTINGS = {
     "surfaces": "surfaces.tsv",
     "contact": {"contact_modulus": 1e9, "relative_pressure": [0.05, 0.2]},

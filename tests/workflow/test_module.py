@@ -188,8 +188,7 @@ def test_drawings_need_no_number_of_cores(finished, drawing):
 
 def test_the_report_of_snakemake_has_each_surface_with_captions_and_labels(finished):
     page = finished.path("snakemake-report.html")
-    process = finished.run("--report", page)
-    assert process.returncode == 0, process.stderr
+    finished.succeed("--report", page)
     text = page.read_text(encoding="utf-8")
     script = text[text.index('<script id="categories">') :].partition("</script>")[0]
     categories = json.loads(script[script.index("{") : script.rindex("}") + 1])

@@ -10,9 +10,7 @@ import numpy as np
 import pytest
 from small_project import SETTINGS, Project, counted, write_maps
 
-from roughcontact.results.storage import read_dataset
-from roughcontact.surface.faces.composite import composite
-from roughcontact.surface.faces.positions import relative_positions
+from roughcontact import composite, read_dataset, relative_positions
 
 PAIR = (
     "surface\tpath\tcounter_face\tunit\tdx\tdy",
@@ -21,14 +19,7 @@ PAIR = (
 )
 ENSEMBLE = {"shifts": 1, "rotations": [0, 90], "seed": 5}
 MEMBERS = ["seal-1", "seal-2"]
-FIRST = {
-    "prepare": 1,
-    "prepare_face": 2,
-    "superpose": 2,
-    "contact": 3,
-    "panel": 3,
-    "report": 1,
-}
+FIRST = {"prepare": 1, "prepare_face": 2, "superpose": 2, "contact": 3, "panel": 3, "report": 1}
 
 
 def settings(**ensemble):
@@ -42,8 +33,7 @@ def paired(tmp_path_factory, checkout):
     project = Project(tmp_path_factory.mktemp("pair") / "project", checkout)
     write_maps(project.path("measured"))
     project.write(settings(), PAIR)
-    project.first = project.run()
-    assert project.first.returncode == 0, project.first.stderr
+    project.first = project.succeed()
     return project
 
 
@@ -147,8 +137,7 @@ def test_cases_share_the_faces_and_the_composites(tmp_path, checkout):
     write_maps(project.path("measured"))
     cases = {"base": {}, "raw": {"window": {"method": "raw"}}}
     project.write(settings(shifts=2, rotations=[0]) | {"cases": cases}, (PAIR[0], PAIR[2]))
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    run = project.succeed()
     job_counts = counted(run)
     assert job_counts == {"prepare_face": 2, "superpose": 4, "contact": 4, "panel": 4, "report": 1}
     rows = table(project, "pairs.csv")

@@ -19,9 +19,8 @@ import pytest
 import xarray as xr
 from small_project import ROOT, SETTINGS, TABLE, Project, counted, write_maps
 
-from roughcontact import evaluate, read_height_map
+from roughcontact import evaluate, read_dataset, read_height_map, write_dataset
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.results.storage import read_dataset, write_dataset
 
 EPSILON = np.finfo(float).eps
 EACH = ["height.nc", "levelled.nc", "window.nc", "contact.nc", "uncertainty.nc", "statistics.nc"]
@@ -69,8 +68,7 @@ def test_a_run_shows_how_far_it_has_come(finished):
 def test_the_short_screen_has_a_line_for_each_surface(project):
     project.write(SETTINGS | {"uncertainty": {"sources": []}})
     files = [f"results/{name}/panel.html" for name in ("ground", "turned")]
-    run = project.run(*files, "--logger", "roughcontact")
-    assert run.returncode == 0, run.stderr
+    run = project.succeed(*files, "--logger", "roughcontact")
     output = run.stderr.partition("2 results, 6 jobs\n")[2]
     assert re.fullmatch(
         r"(ground|turned): done \(1 of 2.*\)\. At .* MPa: contact area .*\n"
@@ -173,8 +171,7 @@ def test_a_run_that_ended_after_the_window_goes_on_whatever_the_dates(finished, 
     folder = shutil.copytree(finished.folder, tmp_path / "copy")
     project, measured = Project(folder, checkout), folder / "measured/turned.txt"
     measured.write_text(measured.read_text().replace("-", "", 1))
-    run = project.run("results/turned/window.nc")
-    assert run.returncode == 0, run.stderr
+    project.succeed("results/turned/window.nc")
     for name in ("contact.nc", "uncertainty.nc", "statistics.nc", "panel.html", "panel.json"):
         os.utime(folder / "results/turned" / name)
     assert project.jobs() == {"contact": 1, "panel": 1, "report": 1}
@@ -206,10 +203,7 @@ IMPORTED = {"numpy", "pandas", "scipy", "xarray"}  # pandas is xarray's own
     [
         ("import roughcontact.evaluation", set()),
         ("import roughcontact.evaluation.pipeline", IMPORTED),
-        (
-            EVALUATE,
-            IMPORTED | {"pydantic", "scipy.fft", "scipy.ndimage", "scipy.special", "scipy.linalg"},
-        ),
+        (EVALUATE, IMPORTED | {"pydantic", "scipy.fft", "scipy.ndimage", "scipy.special", "scipy.linalg"}),
     ],
 )
 def test_what_takes_long_to_import_is_imported_where_it_is_used(statements, packages):
@@ -233,8 +227,7 @@ def test_an_equal_run_elsewhere_leaves_equal_bytes(finished, tmp_path, checkout)
         shutil.copytree(source, target, dirs_exist_ok=True) if source.is_dir() else shutil.copy(
             source, target
         )
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    project.succeed()
     for name in FILES:
         assert (
             project.path(f"results/{name}").read_bytes() == finished.path(f"results/{name}").read_bytes()
@@ -349,8 +342,7 @@ def test_a_measurement_that_is_replaced_at_work_leaves_no_result(project):
     output = project.path("said.txt").read_text()
     assert "[prepare turned] ERROR: measured/turned.txt: changed while " in output
     assert not list(project.path("results").rglob("*.nc"))
-    second_run = project.run(target)
-    assert second_run.returncode == 0, second_run.stderr
+    project.succeed(target)
     checksum = hashlib.sha256(path.read_bytes()).hexdigest()
     assert read_dataset(project.path(target)).attrs["source_sha256"] == checksum
 
@@ -377,8 +369,7 @@ def study(tmp_path_factory, checkout):
     project = Project(tmp_path_factory.mktemp("study") / "project", checkout)
     write_maps(project.path("measured"))
     project.write(SETTINGS | {"cases": CASES}, TABLE[:2])
-    project.first = project.run()
-    assert project.first.returncode == 0, project.first.stderr
+    project.first = project.succeed()
     return project
 
 
@@ -445,8 +436,7 @@ def test_a_case_that_shares_again_has_no_file_of_its_own_of_before(study, tmp_pa
     own_contact, shared = (project.path(f"results/{case}/ground/contact.nc") for case in ("binned", "base"))
     shutil.copy(shared, own_contact)
     project.write(SETTINGS | {"cases": CASES | {"binned": {"statistics": {"gap_bins": 7}}}}, TABLE[:2])
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    project.succeed()
     assert shared.exists()
     assert not own_contact.exists()
 
@@ -462,8 +452,7 @@ def test_braces_in_names_of_files_and_in_the_title_stay(project):
     heights = np.load(project.path("measured/ground.npy"))
     np.save(project.path("measured/{surface}.npy"), 2 * heights)
     project.write(SETTINGS | {"report": {"title": "Ra {um} of {surface}"}}, rows)
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    project.succeed()
     assert "Ra {um} of {surface}" in project.path("results/report.html").read_text()
     height = read_dataset(project.path("results/ground/height.nc"))["height"].values
     assert np.ptp(height) == pytest.approx(2e-6 * np.ptp(heights))

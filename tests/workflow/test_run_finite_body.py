@@ -26,8 +26,7 @@ def test_bodies_of_finite_size_go_from_the_settings_to_the_report(tmp_path, chec
     project = Project(tmp_path / "project", checkout)
     write_maps(project.path("measured"))
     project.write(SETTINGS_OF_BODIES, TABLE[:2])
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    project.succeed()
     for case in ("ball", "punch"):
         folder = project.path(f"results/{case}/ground")
         statistics = read_dataset(folder / "statistics.nc").load()

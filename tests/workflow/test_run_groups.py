@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from small_project import SETTINGS, Project
 
-from roughcontact.results.storage import read_dataset
-from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact import read_dataset, self_affine_surface
 
 HEADER = "surface\tpath\tunit\tdx\tdy\tgroup\tpart"
 GRADIENTS = {"fine": (0.08, 0.09, 0.085), "coarse": (0.15, 0.17, 0.16)}
@@ -45,8 +44,7 @@ def table(project, name):
 
 @pytest.mark.slow
 def test_groups_have_their_files_and_stand_first_on_the_page(grouped):
-    run = grouped.run()
-    assert run.returncode == 0, run.stderr
+    grouped.succeed()
     rows = table(grouped, "groups.csv")
     assert [(row["group"], row["maps"]) for row in rows] == [
         (group, "3") for group in ("fines", "coarses") for _ in range(2)
@@ -91,8 +89,7 @@ def test_maps_that_are_cut_are_groups_of_their_parts(grouped):
         np.save(grouped.path(f"measured/{name}.npy"), self_affine_surface((64, 64), 1.0, **waves, seed=1))
     rows = [f"{name}\tmeasured/{name}.npy\tum\t1\t1\t2x2" for name in ("lapped", "milled")]
     grouped.write(QUICK, ["surface\tpath\tunit\tdx\tdy\tparts", *rows])
-    run = grouped.run()
-    assert run.returncode == 0, run.stderr
+    grouped.succeed()
     assert {(row["group"], row["maps"], row["parts"]) for row in table(grouped, "groups.csv")} == {
         ("lapped", "4", "4"),
         ("milled", "4", "4"),
@@ -117,8 +114,7 @@ def test_a_group_of_different_pixels_is_named_and_the_rest_goes_on(grouped):
     rows = [row.replace("\t1\t1\t", "\t2\t2\t") if row.startswith("fine-0") else row for row in ROWS[:3]]
     cases = {"cases": {"soft": {}, "stiff": {"contact": {"contact_modulus": "2e9"}}}}
     grouped.write(QUICK | cases, [HEADER, *rows])
-    run = grouped.run()
-    assert run.returncode == 0, run.stderr
+    run = grouped.succeed()
     message = "its maps hold different waves, the shortest of fine-1 is 2.00 µm, that of fine-0 4.00 µm"
     assert message in run.stderr
     assert message in grouped.path("results/report.html").read_text()
@@ -133,8 +129,7 @@ def test_repeats_and_placements_are_compared_and_folded_below_their_pair(grouped
     grouped.write(
         QUICK | {"composite": {"shifts": 2}}, [f"{HEADER}\tcounter_face\trepeat_of", *rows, f"{SEAL}\t"]
     )
-    run = grouped.run()
-    assert run.returncode == 0, run.stderr
+    grouped.succeed()
     compared = [row for row in table(grouped, "comparisons.csv") if row["quantity"] == "mean_gap"]
     assert [(row["first"], row["second"]) for row in compared] == [("fine-0", "fine-1")] * 2 + [
         ("seal-1", "seal-2")
@@ -159,8 +154,7 @@ def test_cases_of_a_group_are_compared_map_by_map(grouped):
         "stiff": {"contact": {"contact_modulus": "2e9", "mean_pressure": ["10 MPa", "40 MPa"]}},
     }
     grouped.write(QUICK | {"cases": cases}, [HEADER, *ROWS[:3]])
-    run = grouped.run()
-    assert run.returncode == 0, run.stderr
+    grouped.succeed()
     assert {row["case"] for row in table(grouped, "groups.csv")} == {"soft", "stiff"}
 
 

@@ -10,8 +10,7 @@ import xarray as xr
 import yaml
 from small_project import SETTINGS, TABLE, Project, write_maps
 
-from roughcontact.contact.solve import solve_contact
-from roughcontact.results.storage import read_dataset
+from roughcontact import read_dataset, solve_contact
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
 FILM = {"thickness": "6 um", "youngs_modulus": "700 GPa", "poissons_ratio": 0.2}
@@ -43,8 +42,7 @@ def test_layers_go_from_the_settings_to_the_report(tmp_path, checkout):
     project = Project(tmp_path / "project", checkout)
     write_maps(project.path("measured"))
     project.write(SETTINGS_OF_BODIES, TABLE[:2])
-    run = project.run("--logger", "roughcontact")
-    assert run.returncode == 0, run.stderr
+    project.succeed("--logger", "roughcontact")
     results_by_case = {
         case: read_dataset(project.path(f"results/{case}/ground/statistics.nc")).load()
         for case in SETTINGS_OF_BODIES["cases"]

@@ -8,22 +8,19 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
+from known_surfaces import self_affine
 from small_project import ROOT, Project
 
 import roughcontact as rc
-from roughcontact.results.storage import read_dataset
+from roughcontact import read_dataset
 from roughcontact.surface.faces.placing import recorded_place, separate_overviews
-from roughcontact.surface.synthetic import self_affine_surface
 
 SETTINGS = {
     "surfaces": "surfaces.tsv",
     "contact": {"contact_modulus": "1e9", "mean_pressure": [1e7], "tolerance": "1e-5"},
     "uncertainty": {"sources": ["solver", "window"]},
 }
-TABLE = (
-    "surface\tpath\tunit\tdx\tdy\toverview",
-    "ground\tmeasured/fine.npy\tum\t1\t1\tmeasured/field.txt",
-)
+TABLE = ("surface\tpath\tunit\tdx\tdy\toverview", "ground\tmeasured/fine.npy\tum\t1\t1\tmeasured/field.txt")
 OF_TWO_POSITIONS = (
     f"{TABLE[0]}\toverview_position\tgroup",
     f"{TABLE[1]}\t\tface",
@@ -36,9 +33,7 @@ HEADER = "# Width: 216 um\n# Height: 216 um\n# Value units: um\n"
 
 def write_pair(folder, *, elsewhere=False):
     """Write two maps of 72 x 72 points, and the field around each, text with the top row first."""
-    surface = self_affine_surface(
-        (300, 300), 1.0, hurst=0.8, shortest=6, longest=200, rms_gradient=0.1, seed=7
-    )
+    surface = self_affine((300, 300), 1.0, (6, 200), rms_gradient=0.1, seed=7)
     for first, names in ((0, ("fine.npy", "field.txt")), (84, ("second.npy", "other.txt"))):
         field = surface[first : first + 216, first : first + 216]
         fine = field.values[72:144, 72:144]
@@ -54,8 +49,7 @@ def project(tmp_path_factory):
     project = Project(tmp_path_factory.mktemp("overview"), ROOT)
     write_pair(project.path("measured"))
     project.write(SETTINGS, OF_TWO_POSITIONS)
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    project.succeed()
     return project
 
 

@@ -26,8 +26,7 @@ def test_a_run_gives_what_the_heights_cut_by_hand_give(tmp_path):
     heights[20:28, 20:26] += 20  # dust
     np.save(project.path("measured/ground.npy"), heights)
     project.write(SETTINGS, TABLE)
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    run = project.succeed()
     assert "cropped to 64.0 µm × 64.0 µm of 96.0 µm × 96.0 µm (crop = 8 16 72 80 um)" in run.stderr
     by_hand = surface.values.copy()
     by_hand[20:28, 20:26] = by_hand[40:43, 60:66] = np.nan

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from small_project import TABLE, project_of_cases
 
-from roughcontact.io.read import read_height_map
-from roughcontact.results.storage import read_dataset
+from roughcontact import read_dataset, read_height_map
 
 CONTACT = {
     "contact_modulus": "100 GPa",
@@ -22,8 +21,7 @@ CASES = {
 @pytest.mark.slow
 def test_what_the_load_leaves_goes_from_the_settings_to_the_page(tmp_path, checkout):
     project = project_of_cases(tmp_path / "project", checkout, CONTACT, CASES)
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    project.succeed()
     # the cases differ in what follows the contact, which is solved once
     assert not project.path("results/plain/ground/residual.nc").exists()
     assert not project.path("results/once/ground/contact.nc").exists()
@@ -55,8 +53,7 @@ def test_what_the_load_leaves_goes_from_the_settings_to_the_page(tmp_path, check
         project.settings | {"cases": {"again": {"contact": {"hardness": None}}}},
         [TABLE[0], "again\tresults/once/ground/residual.nc"],
     )
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    project.succeed()
     second_result = read_dataset(project.path("results/again/again/statistics.nc"))
     areas = second_result["relative_contact_area_pixels"].values
     np.testing.assert_allclose(areas, once["relative_contact_area_pixels"].values[::-1], rtol=0.02)

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from small_project import project_of_cases
 
-from roughcontact.io.read import read_height_map
-from roughcontact.results.storage import read_dataset
+from roughcontact import read_dataset, read_height_map
 
 CONTACT = {"contact_modulus": "100 GPa", "mean_pressure": ["20 MPa", "100 MPa"]}
 WEAR = {"coefficient": "1e-7 mm³/(N m)", "distance": ["1 mm", "10 mm", "100 mm"]}
@@ -15,8 +14,7 @@ CASES = {"plain": {}, "worn": {"wear": WEAR}}
 @pytest.mark.slow
 def test_wear_goes_from_the_settings_to_the_page(tmp_path, checkout):
     project = project_of_cases(tmp_path / "project", checkout, CONTACT, CASES)
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    project.succeed()
     # the cases differ in what follows the contact, which is solved once
     assert not project.path("results/plain/ground/worn.nc").exists()
     assert not project.path("results/worn/ground/contact.nc").exists()

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from small_project import SETTINGS, Project
 
-from roughcontact.results.storage import read_dataset
-from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact import read_dataset, self_affine_surface
 
 NOISE = 2e-9  # m
 HEADER = "surface\tpath\tunit\theight_unit\tdx\tdy\tbefore\trepeat_of"
@@ -34,8 +33,7 @@ def worn(tmp_path_factory, checkout):
         noise = NOISE * generator.standard_normal(height.shape)
         np.save(project.path(f"measured/{name}.npy"), 1e6 * (height.values + noise))
     project.write(LOADS, PLACES)
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    project.succeed()
     return project
 
 
@@ -84,8 +82,7 @@ def test_another_place_is_refused_before_anything_is_solved(worn):
 def test_wear_that_is_called_a_repeat_is_named_and_gives_no_noise(worn):
     worn.write(LOADS, AS_REPEAT)
     assert worn.jobs() == {"prepare": 2, "contact": 2, "panel": 2, "report": 1}
-    run = worn.run()
-    assert run.returncode == 0, run.stderr
+    run = worn.succeed()
     for name, partner in (("new", "worn"), ("worn", "new")):
         attrs = stated(worn, name)
         assert "instrument_noise" not in attrs
@@ -105,8 +102,7 @@ def test_copies_in_a_group_have_no_answer(worn):
         shutil.copy(worn.path("measured/new.npy"), worn.path(f"measured/{name}.npy"))
     rows = [f"{name}\tmeasured/{name}.npy\tum\tum\t1\t1\tfinish" for name in "abcd"]
     worn.write(LOADS | {"uncertainty": {"sources": ["solver"]}}, [header, *rows])
-    run = worn.run()
-    assert run.returncode == 0, run.stderr
+    run = worn.succeed()
     message = "group finish: a and b have the same results, as copies of one map have"
     assert message in run.stderr
     assert message in worn.path("results/report.html").read_text()

@@ -1,4 +1,4 @@
-"""The surfaces and problems on which the ensembles of the error budget are tried."""
+"""Rough surfaces on which tests are made, and the problems on which the error budget is tried."""
 
 import numpy as np
 
@@ -8,16 +8,13 @@ GRADIENT = 0.1
 MEANS = ("relative_contact_area", "mean_gap", "mean_contact_pressure")
 
 
+def self_affine(shape, spacing, band, *, hurst=0.8, **options):
+    """Return a rough surface with waves from the shorter to the longer wavelength of a band."""
+    return self_affine_surface(shape, spacing, hurst=hurst, shortest=band[0], longest=band[1], **options)
+
+
 def surface(points, *, longest=32.0, seed=0, hurst=0.8):
-    return self_affine_surface(
-        (points, points),
-        1.0,
-        hurst=hurst,
-        shortest=8.0,
-        longest=longest,
-        rms_gradient=GRADIENT,
-        seed=seed,
-    )
+    return self_affine((points, points), 1.0, (8.0, longest), hurst=hurst, rms_gradient=GRADIENT, seed=seed)
 
 
 def noisy(height, noise, seed=0):
