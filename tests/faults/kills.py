@@ -36,7 +36,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import psutil
-from study import command, environment, results, start_again, write_study
+from study import begin, command, environment, results, start_again, write_study
 
 from roughcontact.results.storage import read_dataset
 
@@ -125,14 +125,7 @@ def run_with_kills(folder, targets, kills, longest, choose, expected, counts, co
     while True:
         result_count = len(results(folder))
         file = folder / f"said/{counts['kills'] - kills_before}.txt"
-        with file.open("w") as output:  # a pipe that nobody reads would stop the run
-            run = subprocess.Popen(
-                command(folder, *targets),
-                env=environment(),
-                stdout=output,
-                stderr=output,
-                start_new_session=True,
-            )
+        run = begin(command(folder, *targets), file)
         enough = counts["kills"] >= kills
         delay = choose.uniform(0, longest)
         previous, kind, at_once = kind, choose.choice(KINDS), choose.random() < 0.5
@@ -226,6 +219,14 @@ def is_job(process, *rules):
         return is_fork or command_line.endswith(tuple(f".{rule}.py" for rule in rules))
     except psutil.Error:
         return False
+
+
+def jobs_at_work(run, rule, log):
+    """Wait until a run has jobs of a rule, and return them; `log` is what it says."""
+    while not (jobs := [process for process in family(run) if is_job(process, rule)]):
+        assert run.poll() is None, log.read_text()
+        time.sleep(0.002)
+    return jobs
 
 
 def words(process):

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -46,6 +47,13 @@ def command(folder: Path, *arguments: str) -> list[str]:
 def environment(**extra: str) -> dict[str, str]:
     """Return the variables that `command` needs."""
     return os.environ | {"PYTHONPATH": str(ROOT / "workflow/lib"), "OMP_NUM_THREADS": "1"} | extra
+
+
+def begin(words: list[str], log: Path, **options) -> subprocess.Popen:
+    """Return a command of the study at work, in a session of its own, what it says in a file."""
+    with log.open("w") as output:  # a pipe that nobody reads would stop the run
+        options = {"stdout": output, "stderr": output, "start_new_session": True} | options
+        return subprocess.Popen(words, env=environment(), **options)
 
 
 def start_again(folder: Path) -> None:

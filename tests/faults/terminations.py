@@ -21,7 +21,7 @@ from pathlib import Path
 
 import psutil
 from kills import session, words
-from study import command, environment, start_again, write_study
+from study import begin, command, environment, start_again, write_study
 
 TARGETS = tuple(f"results/surface-{number}/window.nc" for number in range(1, 4))
 LONGEST = 60.0  # seconds in which a run has to end
@@ -52,14 +52,7 @@ def end_at_random(folder: Path, tries: int, seed: int) -> list[str]:
     for number in range(1, tries + 1):
         start_again(folder)
         delay = choose.uniform(0, longest)
-        with (folder / "said.txt").open("w") as output:
-            run = subprocess.Popen(
-                command(folder, *TARGETS),
-                env=environment(),
-                stdout=output,
-                stderr=output,
-                start_new_session=True,
-            )
+        run = begin(command(folder, *TARGETS), folder / "said.txt")
         if number % 2:
             time.sleep(delay)
         else:

@@ -5,12 +5,11 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 
 import psutil
 import pytest
-from kills import family, is_job, kill_at_random, session, words
-from study import ROOT, command, environment, write_study
+from kills import family, jobs_at_work, kill_at_random, session, words
+from study import ROOT, begin, command, environment, write_study
 from terminations import end_at_random, load
 
 
@@ -21,6 +20,11 @@ def test_a_killed_run_goes_on_and_leaves_the_same_bytes(tmp_path):
     )
     assert not wrong
     assert counts["kills"] == 3
+
+
+def ended(words_of_it):
+    """Return a command of the study that has come to its end, with what it has said."""
+    return subprocess.run(words_of_it, env=environment(), capture_output=True, text=True, check=False)
 
 
 RUN_PY = """
@@ -39,27 +43,17 @@ def test_nothing_goes_on_after_the_program_alone_was_terminated(tmp_path, wrappe
     words_of_it = command(tmp_path, "results/surface-1/levelled.nc")
     if wrapper == "run.py":
         words_of_it = [sys.executable, "-c", RUN_PY, str(ROOT), *words_of_it]
-    with (tmp_path / "said.txt").open("w") as said:
-        run = subprocess.Popen(
-            words_of_it,
-            env=environment(),
-            stdout=said,
-            stderr=said,
-            start_new_session=True,
-            preexec_fn=deaf_to_interruptions if wrapper == "in the background" else None,  # noqa: PLW1509
-        )
+    ears = deaf_to_interruptions if wrapper == "in the background" else None
+    run = begin(words_of_it, log := tmp_path / "said.txt", preexec_fn=ears)
     try:
-        while not any(is_job(each, "prepare") for each in family(run)):
-            assert run.poll() is None, (tmp_path / "said.txt").read_text()
-            time.sleep(0.002)
+        jobs_at_work(run, "prepare", log)
         started = family(run)[1:]
         assert len(started) >= 2
         run.terminate()
         assert run.wait(timeout=60) == 143
         _, left = psutil.wait_procs([*started, *session(run)], timeout=30)
         assert [words(each) for each in left] == []
-        said = (tmp_path / "said.txt").read_text()
-        assert "Traceback" not in said
+        assert "Traceback" not in log.read_text()
         assert not list(tmp_path.glob(".snakemake/locks/*"))
         assert not list(tmp_path.glob("results/**/*.nc"))
     finally:
@@ -77,15 +71,9 @@ def deaf_to_interruptions():
 def test_the_next_run_ends_what_goes_on_of_a_killed_one(tmp_path, killed):
     write_study(tmp_path, sides=(48,), cases=False)
     target = "results/surface-1/levelled.nc"
-    log = tmp_path / "said.txt"
-    with log.open("w") as said:
-        run = subprocess.Popen(
-            command(tmp_path, target), env=environment(), stdout=said, stderr=said, start_new_session=True
-        )
+    run = begin(command(tmp_path, target), log := tmp_path / "said.txt")
     try:
-        while not (jobs := [each for each in family(run) if is_job(each, "prepare")]):
-            assert run.poll() is None, log.read_text()
-            time.sleep(0.002)
+        jobs = jobs_at_work(run, "prepare", log)
         jobs[0].suspend()  # it cannot end before the next run begins
         remains = family(run)[1:] if killed == "roughcontact run" else jobs
         for process in family(run):
@@ -93,9 +81,7 @@ def test_the_next_run_ends_what_goes_on_of_a_killed_one(tmp_path, killed):
                 process.kill()
         run.wait()
         assert session(run)
-        continued = subprocess.run(
-            command(tmp_path, target), env=environment(), capture_output=True, text=True, check=False
-        )
+        continued = ended(command(tmp_path, target))
         assert continued.returncode == 0, continued.stderr
         assert "The last run in this folder was killed: it is continued." in continued.stderr
         assert session(run) == []
@@ -109,17 +95,10 @@ def test_the_next_run_ends_what_goes_on_of_a_killed_one(tmp_path, killed):
 def test_a_termination_ends_jobs_whose_parent_has_gone(tmp_path):
     """As that of a shell that was ended while it started its program."""
     write_study(tmp_path, sides=(48,), cases=False)
-    with (tmp_path / "said.txt").open("w") as output:
-        run = subprocess.Popen(
-            command(tmp_path, "results/surface-1/levelled.nc"),
-            env=environment(),
-            stdout=output,
-            stderr=output,
-        )
-    while not (started := [process for process in family(run) if is_job(process, "prepare")]):
-        assert run.poll() is None, (tmp_path / "said.txt").read_text()
-        time.sleep(0.002)
-    orphan = subprocess.Popen(["sleep", "600"], env=started[0].environ())
+    words_of_it, log = command(tmp_path, "results/surface-1/levelled.nc"), tmp_path / "said.txt"
+    run = begin(words_of_it, log, start_new_session=False)
+    started, *_ = jobs_at_work(run, "prepare", log)
+    orphan = subprocess.Popen(["sleep", "600"], env=started.environ())
     try:
         run.terminate()
         assert run.wait(timeout=60) == 143
@@ -141,39 +120,26 @@ def test_beside_a_run_at_work_none_begins_and_its_locks_stay(tmp_path, started_b
     first_command = command(tmp_path, "results/surface-1/levelled.nc")
     if started_by == "snakemake":
         first_command[2:4] = ["snakemake", "--snakefile", str(ROOT / "Snakefile")]
-    with (tmp_path / "said.txt").open("w") as output:
-        run = subprocess.Popen(
-            first_command, env=environment(), stdout=output, stderr=output, start_new_session=True
-        )
+    run = begin(first_command, log := tmp_path / "said.txt")
     try:
-        while not (jobs := [process for process in family(run) if is_job(process, "prepare")]):
-            assert run.poll() is None, (tmp_path / "said.txt").read_text()
-            time.sleep(0.002)
+        jobs = jobs_at_work(run, "prepare", log)
         jobs[0].suspend()
         locks = {*tmp_path.glob(".snakemake/locks/*.lock")}
         assert locks
         if started_by == "snakemake":  # which keeps others out itself
-            refused = subprocess.run(
-                command(tmp_path), env=environment(), capture_output=True, text=True, check=False
-            )
+            refused = ended(command(tmp_path))
             assert refused.returncode == 1
             assert "Directory cannot be locked" in refused.stdout + refused.stderr
         else:
-            for second_command in (
-                command(tmp_path),
-                command(tmp_path, "--unlock"),
-                command(tmp_path, "--nolock"),
-            ):
-                refused = subprocess.run(
-                    second_command, env=environment(), capture_output=True, text=True, check=False
-                )
+            for options in ((), ("--unlock",), ("--nolock",)):
+                refused = ended(command(tmp_path, *options))
                 assert refused.returncode == 2
                 output = f"a run is at work there (process {run.pid} on {socket.gethostname()})"
                 assert output in refused.stderr
                 assert len(refused.stderr.splitlines()) == 1
         assert {*tmp_path.glob(".snakemake/locks/*.lock")} == locks
         jobs[0].resume()
-        assert run.wait(timeout=60) == 0, (tmp_path / "said.txt").read_text()
+        assert run.wait(timeout=60) == 0, log.read_text()
     finally:
         for process in session(run):
             process.kill()
@@ -182,16 +148,12 @@ def test_beside_a_run_at_work_none_begins_and_its_locks_stay(tmp_path, started_b
 @pytest.mark.slow
 def test_a_job_that_is_killed_says_how_much_memory_it_had_asked_for(tmp_path):
     write_study(tmp_path, sides=(40,), cases=False)
-    with (tmp_path / "said.txt").open("w") as output:
-        run = subprocess.Popen(
-            command(tmp_path, "results/summary.csv"), env=environment(), stdout=output, stderr=output
-        )
-    while not (reporting := [process for process in family(run) if is_job(process, "report")]):
-        assert run.poll() is None, (tmp_path / "said.txt").read_text()
-        time.sleep(0.002)
-    reporting[0].kill()
+    words_of_it, log = command(tmp_path, "results/summary.csv"), tmp_path / "said.txt"
+    run = begin(words_of_it, log, start_new_session=False)
+    reporting, *_ = jobs_at_work(run, "report", log)
+    reporting.kill()
     assert run.wait(timeout=60)
-    output = (tmp_path / "said.txt").read_text()
+    output = log.read_text()
     pattern = (
         r"\n\[report\] ERROR: killed; probably out of memory: it had asked for \d+ MB\. Free some memory"
     )
