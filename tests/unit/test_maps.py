@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact.arguments.checking import check_choice, check_map
-from roughcontact.arguments.choices import Fill
+from roughcontact.arguments.checking import check_map
 from roughcontact.arguments.maps import height_map, pitches, refined, spacing
-from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.errors import HeightMapError
 
 
 def test_a_map_says_where_its_cells_are_and_what_is_missing():
@@ -55,18 +54,13 @@ def test_a_finer_grid_goes_through_the_points_and_holds_no_other_waves(shape, fa
         assert np.compress(waves > points / 2, power, axis=axis).sum() <= 1e-24 * power.sum()
 
 
-def test_what_is_no_map_and_no_choice():
+def test_what_is_no_map():
     with pytest.raises(HeightMapError, match=r"has the dimensions \('x', 'y'\): transpose it"):
         check_map(height_map(np.zeros((2, 3)), 1.0).transpose("x", "y"))
     with pytest.raises(HeightMapError, match=r"all 6 points of part\.sur are missing"):
         check_map(height_map(np.full((2, 3), np.inf), 1.0).assign_attrs(source_file="part.sur"))
     checked = check_map(height_map([[1.0, -np.inf]], 1.0))
     np.testing.assert_array_equal(checked, [[1.0, np.nan]])
-    check_choice("level.fill", "none", Fill)
-    with pytest.raises(SettingsError, match=r"^level\.fill = 'xyz': choose harmonic or none$"):
-        check_choice("level.fill", "xyz", Fill)
-    with pytest.raises(SettingsError, match=r"^level\.fill = 'harmonics': did you mean 'harmonic'\? choose"):
-        check_choice("level.fill", "harmonics", Fill)
 
 
 def test_a_labelled_array_keeps_its_unit_and_its_axes():

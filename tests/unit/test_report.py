@@ -26,7 +26,7 @@ from PIL import Image
 
 import roughcontact
 from roughcontact.arguments.maps import height_map
-from roughcontact.arguments.quantities import Unit, number, percent, prefix, quantity, with_interval
+from roughcontact.arguments.quantities import Unit, number, percent, with_interval
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import InputFileError
@@ -554,37 +554,6 @@ def test_contact_on_filling_and_missed_tolerance_are_not_to_be_trusted(good):
     )
     assert verdict == FAILED
     assert checks.load_flags(missed, 96 * 96) == [[], ["not converged"]]
-
-
-# --- numbers as people read them ---------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("value", "unit", "text"),
-    [
-        (1.2345e-6, "m", "1.23 µm"),
-        (9.9999e8, "Pa", "1.00 GPa"),
-        (999.4, "Pa", "999 Pa"),
-        (0.0, "m", "0 m"),
-        (-3.21e-9, "m", "−3.21 nm"),
-        (3e-25, "m", "3.00×10⁻²⁵ m"),
-        (0.04567, "1", "0.0457"),
-        (1234567.0, "1", "1.23×10⁶"),
-        (1e-4, "1", "1.00×10⁻⁴"),
-        (9.999e-4, "1", "0.00100"),
-        (np.inf, "1", "∞"),
-        (np.nan, "1", "–"),
-        (12.0, "m-1", "12.0 m-1"),
-    ],
-)
-def test_quantity(value, unit, text):
-    assert quantity(value, unit) == text
-
-
-def test_percent_and_prefix():
-    assert percent(0.5) == "50.0 %"
-    assert prefix(2.5e7, "Pa") == (1e-6, "MPa")
-    assert prefix(np.nan, "m") == (1.0, "m")
 
 
 # --- figures -----------------------------------------------------------------------------------------------

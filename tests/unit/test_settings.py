@@ -213,45 +213,6 @@ def test_two_bodies_give_the_contact_modulus():
 
 
 @pytest.mark.parametrize(
-    ("config", "parts_of_message"),
-    [
-        ({"contact": ELASTIC, "casse": {}}, ["casse: unknown key, did you mean cases?"]),
-        ({"contact": ELASTIC | {"tolerence": 1}}, ["contact.tolerence", "did you mean tolerance?"]),
-        (
-            {"contact": {"contact_modulus": -1e9}},
-            ["contact.contact_modulus = -1000000000.0", "greater than 0"],
-        ),
-        ({"contact": {"contact_modulus": "soft"}}, ["contact.contact_modulus = 'soft'", "number", "Pa"]),
-        ({"contact": {"contact_modulus": True}}, ["contact.contact_modulus = True", "must be a number"]),
-        ({"contact": {"contact_modulus": float("nan")}}, ["contact.contact_modulus = nan"]),
-        ({"contact": ELASTIC | {"mean_pressure": []}}, ["contact.mean_pressure = []", "is empty"]),
-        ({"contact": ELASTIC | {"mean_pressure": [1e5, 0]}}, ["contact.mean_pressure[1] = 0"]),
-        ({"contact": ELASTIC | {"tolerance": 1e-16}}, ["contact.tolerance = 1e-16", "less than 1e-15"]),
-        ({"contact": ELASTIC | {"tolerance": 1}}, ["contact.tolerance = 1", "less than 1"]),
-        ({"contact": ELASTIC | {"bodies": [STEEL, STEEL]}}, ["contact_modulus and bodies given"]),
-        ({"contact": {"bodies": [STEEL]}}, ["contact.bodies", "exactly two"]),
-        (
-            {"contact": {"bodies": [STEEL, {"youngs_modulus": 1e9}]}},
-            ["contact.bodies[1].poissons_ratio: missing"],
-        ),
-        (
-            {"contact": ELASTIC | {"mean_pressure": 1e6, "relative_pressure": 1}},
-            ["mean_pressure (Pa) and relative_pressure (no unit) given"],
-        ),
-        ({}, ["contact: no elasticity given", "contact_modulus", "bodies"]),
-        ({"contact": ELASTIC, "level": {"form": "plan"}}, ["level.form = 'plan'", "mean plane?"]),
-        ({"contact": ELASTIC, "level": "plane"}, ["level = 'plane'", "group of settings"]),
-        ({"contact": ELASTIC, "level": {"robust": "maybe"}}, ["level.robust", "true or false"]),
-        ({"contact": ELASTIC, "report": {"title": 7}}, ["report.title = 7", "text"]),
-    ],
-)
-def test_a_mistake_names_key_value_and_way_out(config, parts_of_message):
-    (line,) = mistakes(config)
-    for part in parts_of_message:
-        assert part in line
-
-
-@pytest.mark.parametrize(
     ("text", "line"),
     [
         ("{1: 2, contact: {contact_modulus: 1 GPa}}", "the settings: the key 1 is no text, valid are surf"),
@@ -300,24 +261,6 @@ def test_what_all_cases_give_need_not_stand_above():
         {"cases": {name: {"contact": {"contact_modulus": value}} for name, value in (("a", 1e9), ("b", 2e9))}}
     )
     assert [case["contact"]["contact_modulus"] for case in cases.values()] == [1e9, 2e9]
-
-
-def test_mistakes_in_cases_are_named_once_and_where_they_stand():
-    lines = mistakes(
-        {
-            "level": {"forn": "plane"},
-            "contact": {"contact_modulus": 1e9},
-            "cases": {
-                "good": {},
-                "bad": {"contact": {"tolerence": 1}},
-                "worse": {"contact": {"bodies": [STEEL, {"youngs_modulus": -1, "poissons_ratio": 0.2}]}},
-            },
-        }
-    )
-    assert lines[0] == "level.forn: unknown key, did you mean form?"
-    assert lines[1] == "cases.bad.contact.tolerence: unknown key, did you mean tolerance?"
-    assert lines[2].startswith("cases.worse.contact.bodies[1].youngs_modulus = -1: ")
-    assert len(lines) == 3
 
 
 @pytest.mark.parametrize(
