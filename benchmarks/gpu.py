@@ -55,7 +55,7 @@ def timed(window, **options) -> tuple[float, float]:
 
 def measure(size: int, ways: dict, reference: str) -> dict:
     """Return the times of all ways to solve a map of `size`² points, compared with the `reference`."""
-    window = height_map(cases.surface(size), 1 / size)
+    window = height_map(cases.surface(size), 1 / size, unit="m")
     exact = solve(window, tolerance=TIGHT, **ways[reference])[0]["pressure"].values
     row, differences, bounds = {"points per side": size}, [], []
     for name, options in ways.items():
