@@ -97,7 +97,7 @@ def compare_groups(
         compared = _compared(first, second, paired=paired)
     except SettingsError as error:
         raise SettingsError(f"compare_groups: {error}") from error
-    return _add_test_results({"": compared}, relevant)[""]
+    return _judged({"": compared}, relevant)[""]
 
 
 def compare_all(
@@ -133,7 +133,7 @@ def compare_all(
             results[pair] = _compared(first, second, paired=bool(cases) or is_same_area)
         except SettingsError as error:
             omissions.append(str(error))
-    return _add_test_results(results), omissions
+    return _judged(results), omissions
 
 
 def case_pairs(names: Sequence[str]) -> list[tuple[str, str]]:
@@ -157,7 +157,7 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     order; NaN without a positive number, uncertainty or bound. Errors are as correlated as the results of the
     same parts of the window, those of the solver independent, those of the material where the moduli differ.
     """
-    return _compare_two_maps(first, second).table[[*_RATIOS]]
+    return _compare_two_maps(first, second).table(_RATIOS)
 
 
 def compare_maps(
@@ -175,29 +175,33 @@ def compare_maps(
     for pair, maps in pairs.items():
         try:
             check_alike(" and ".join(pair), pair, maps)
-            common = _select_common_loads(pair, maps)
-            results[pair] = _compare_two_maps(*common, of_place=pair in of_place)
+            results[pair] = _compare_two_maps(*_at_common_loads(pair, maps), of_place=pair in of_place)
         except SettingsError as error:
             omissions.append(str(error))
-    return _add_test_results(results), omissions
+    return _judged(results), omissions
 
 
-def _select_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[xr.Dataset]:
-    """Return what comparisons need of two maps, loads rising, at the mean pressures that both reach."""
+def _at_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[xr.Dataset]:
+    """Return what comparisons need of two maps at the mean pressures that both reach, loads rising.
+
+    Between their own loads quantities are interpolated on their scale.
+    """
     maps = [data.sortby("mean_pressure") for data in maps]
     loads = common_loads(" and ".join(names), names, maps)
-    return [_at_loads(data[needed_for_groups(map(str, data.variables))], loads) for data in maps]
 
+    def at_loads(name: str, by_load: xr.DataArray) -> tuple[Any, np.ndarray]:
+        by_load = by_load.transpose("load", ...)
+        has_scale, own_loads = name in headline_names(data), data["mean_pressure"].values
+        values = to_scale(name, by_load.values) if has_scale else by_load.values
+        values = interpolated(own_loads, loads, values)
+        return by_load.dims, from_scale(name, values) if has_scale else values
 
-def _at_loads(data: xr.Dataset, loads: np.ndarray) -> xr.Dataset:
-    """Return the results of a map at other loads (Pa), those with a scale interpolated on it."""
-    columns, quantities = {}, headline_names(data)
-    for name in [name for name, variable in data.variables.items() if "load" in variable.dims]:
-        by_load = data[name].transpose("load", ...)
-        values = to_scale(name, by_load.values) if name in quantities else by_load.values
-        values = interpolated(data["mean_pressure"].values, loads, values)
-        columns[name] = by_load.dims, from_scale(name, values) if name in quantities else values
-    return data.drop_vars([*columns]).assign(columns).assign(mean_pressure=("load", loads))
+    results = []
+    for data in maps:
+        needed = data[needed_for_groups(map(str, data.variables))]
+        columns = {k: at_loads(str(k), v) for k, v in needed.variables.items() if "load" in v.dims}
+        results.append(needed.drop_vars([*columns]).assign(columns).assign(mean_pressure=("load", loads)))
+    return results
 
 
 def _widths(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarray:
@@ -237,16 +241,25 @@ def _of_place(name: str, data: xr.Dataset, components: np.ndarray) -> np.ndarray
 class _Compared(NamedTuple):
     """The ratios of two groups, and what a judgement of them needs."""
 
-    # (quantity, load): `ratio` and its ends, `p_value`, `largest_source`, the index of that with the largest
-    # part in what differs, or is shared; of groups also, on the scale, `spread`, the standard deviation of a
-    # part (of a pair of maps), `shared`, the half-width that more maps would not make smaller, and `mean` of
-    # the first group
-    table: xr.Dataset
-    load_correlations: list[np.ndarray]  # of each quantity, of the scatter (load, load), at least
+    # quantity -> (load,): `ratio` and its ends, `p_value` (adjusted for loads), `largest_source`, the index
+    # of that with the largest part in what differs, or is shared; of groups also, on the scale, `spread`, the
+    # standard deviation of a part (of a pair of maps), `shared`, the half-width that more maps would not make
+    # smaller, and `mean` of the first group
+    rows: Mapping[str, dict[str, np.ndarray]]
+    load: np.ndarray  # Pa
     paired: bool = True
     maps: int = 0  # or parts, of the smaller group; 0 for two maps
     noun: str = ""  # what more of would tell
     of_place: bool = False  # two maps of one place, and no other
+
+    def table(self, keys: Sequence[str]) -> xr.Dataset:
+        """Return some of the columns as a dataset."""
+        shape = len(self.rows), self.load.size
+        arrays = {key: np.reshape([row[key] for row in self.rows.values()], shape) for key in keys}
+        return xr.Dataset(
+            {key: (("quantity", "load"), array) for key, array in arrays.items()},
+            {"quantity": np.array([*self.rows], object), "mean_pressure": ("load", self.load)},
+        )
 
 
 def _compare_two_maps(first: xr.Dataset, second: xr.Dataset, *, of_place: bool = False) -> _Compared:
@@ -260,11 +273,11 @@ def _compare_two_maps(first: xr.Dataset, second: xr.Dataset, *, of_place: bool =
         correlations = _correlations(name, *maps)
         difference, half_widths = values[1] - values[0], _unshared_half_widths(widths, correlations)
         towards_none = np.where(difference > 0, *half_widths) / student(np.array(np.inf))
+        p_values = p_value(difference, towards_none, zeros + np.inf)
         rows[name] = _ratios(name, values, widths, correlations, scatter=zeros)
-        rows[name]["p_value"] = p_value(difference, towards_none, zeros + np.inf)
-    table = _table(rows, maps[0]["mean_pressure"].values)
-    # nothing is known of how the errors at two loads go together
-    return _Compared(table, [np.eye(loads)] * len(rows), of_place=of_place)
+        # nothing is known of how the errors at two loads go together
+        rows[name]["p_value"] = adjust_over_loads(p_values, np.eye(loads))
+    return _Compared(rows, maps[0]["mean_pressure"].values, of_place=of_place)
 
 
 def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compared:
@@ -310,85 +323,71 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
         contrasts = [values[1] - values[0]] if paired else values
         return [random_effects(*numbers) for numbers in zip(contrasts, part_names, strict=False)]
 
-    rows, load_correlations, units = {}, [], 0
+    rows, units = {}, 0
     for name in _names(*groups):
         values, shared = zip(*(_scaled_numbers(name, data, loads) for data in groups), strict=True)
         contrast = contrast_of(values)
-        difference, error, freedom = _difference(contrast)
         # a ratio is of logarithms
         _, log_error, log_freedom = _difference(contrast_of([_logarithm(name, each) for each in values]))
         means = [random_effects(*numbers).mean for numbers in zip(values, part_names, strict=True)]
+        units = min(effects.units for effects in contrast)
+        deviations = np.concatenate([effects.deviations for effects in contrast])
+        load_correlation = correlation_at_least(deviations, len(deviations) - len(contrast))
         rows[name] = _ratios(name, means, shared, correlation, scatter=student(log_freedom) * log_error)
         rows[name] |= {
-            "p_value": p_value(difference, error, freedom),
+            "p_value": adjust_over_loads(p_value(*_difference(contrast)), load_correlation),
             "spread": np.sqrt(np.mean([effects.error**2 * effects.units for effects in contrast], axis=0)),
             "shared": np.maximum(*_unshared_half_widths(shared, correlation)),
             "mean": means[0],
         }
-        units = min(effects.units for effects in contrast)
-        deviations = np.concatenate([effects.deviations for effects in contrast])
-        load_correlations.append(correlation_at_least(deviations, len(deviations) - len(contrast)))
     has_parts = any(1 < len(set(names)) < len(names) for names in part_names)
-    return _Compared(_table(rows, loads), load_correlations, paired, units, "part" if has_parts else "map")
+    return _Compared(rows, loads, paired, units, "part" if has_parts else "map")
 
 
-def _add_test_results(
-    comparisons: Mapping[Any, _Compared], relevant: float = RELEVANT
-) -> dict[Any, xr.Dataset]:
-    """Return the comparisons with p-values adjusted for all of them and their loads, and with outcomes."""
-    adjusted: dict[str, dict[Any, np.ndarray]] = {}  # quantity -> comparison -> (load)
-    for key, (table, correlations, *_) in comparisons.items():
-        for name, correlation in zip(table["quantity"].values, correlations, strict=True):
-            p_values = table["p_value"].sel(quantity=name).values
-            adjusted.setdefault(name, {})[key] = adjust_over_loads(p_values, correlation)
-    for name, family in adjusted.items():
-        adjusted[name] = dict(zip(family, holm([*family.values()]), strict=True))
-    results = {}
-    for key, comparison in comparisons.items():
-        table = comparison.table[[*_RATIOS]]
-        ratio = table["ratio"]
-        p_values = np.reshape([adjusted[name][key] for name in table["quantity"].values], ratio.shape)
-        columns = {"p_value": p_values, "outcome": _outcomes(comparison, p_values, relevant)}
-        results[key] = table.assign({name: (ratio.dims, column) for name, column in columns.items()})
-    return results
+def _judged(comparisons: Mapping[Any, _Compared], relevant: float = RELEVANT) -> dict[Any, xr.Dataset]:
+    """Return the comparisons with p-values adjusted for all of them, and with outcomes."""
+    for name in {name for compared in comparisons.values() for name in compared.rows}:
+        family = [compared.rows[name] for compared in comparisons.values() if name in compared.rows]
+        for row, p_values in zip(family, holm([row["p_value"] for row in family]), strict=True):
+            row["p_value"] = p_values
+    for compared in comparisons.values():
+        for name, row in compared.rows.items():
+            outcomes = [_outcome(compared, name, load, relevant) for load in range(compared.load.size)]
+            row["outcome"] = np.array(outcomes, object)
+    return {key: compared.table((*_RATIOS, "p_value", "outcome")) for key, compared in comparisons.items()}
 
 
-def _outcomes(comparison: _Compared, p_values: np.ndarray, relevant: float) -> np.ndarray:
-    """Return for each ratio whether the groups differ, in words."""
-    labels = np.full(p_values.shape, "", object)
-    for index in np.ndindex(*p_values.shape):
-        _, low, high = (float(comparison.table[key].values[index]) for key in _RATIOS)
-        if not np.isfinite([low, high, float(p_values[index])]).all():
-            labels[index] = "inconclusive: no interval"
-        elif p_values[index] < SIGNIFICANCE and not low <= 1 <= high:
-            labels[index] = DIFFER
-        elif (largest_ratio := max(1 - low, high - 1)) <= relevant:
-            labels[index] = f"do not differ by more than {percent(max(largest_ratio, _MIN_DIFFERENCE))}"
-        else:
-            labels[index] = f"inconclusive: {_what_decides(comparison, index, relevant)}"
-    return labels
+def _outcome(compared: _Compared, name: str, load: int, relevant: float) -> str:
+    """Return whether the groups differ in a quantity under a load, in words."""
+    numbers = {key: float(column[load]) for key, column in compared.rows[name].items() if key != "outcome"}
+    _, low, high = (numbers[key] for key in _RATIOS)
+    if not np.isfinite([low, high, numbers["p_value"]]).all():
+        return "inconclusive: no interval"
+    if numbers["p_value"] < SIGNIFICANCE and not low <= 1 <= high:
+        return DIFFER
+    if (largest_ratio := max(1 - low, high - 1)) <= relevant:
+        return f"do not differ by more than {percent(max(largest_ratio, _MIN_DIFFERENCE))}"
+    return f"inconclusive: {_what_decides(compared, name, numbers, relevant)}"
 
 
-def _what_decides(comparison: _Compared, index: tuple[int, ...], relevant: float) -> str:
+def _what_decides(comparison: _Compared, name: str, numbers: Mapping[str, float], relevant: float) -> str:
     """Return what would show a difference that matters: more maps, or a smaller error that all maps share."""
-    numbers = {key: column.values[index] for key, column in comparison.table.data_vars.items()}
+    cause = SOURCES[int(numbers["largest_source"])]
     if not comparison.maps:
         errors = percent(numbers["ratio_upper"] / numbers["ratio"] - 1)
-        cause = SOURCES[int(numbers["largest_source"])]
         way = ADVICE.get(cause, "measure a longer field") if comparison.of_place else _MORE_PLACES
         return f"errors that differ are up to {errors}, most by the {cause}; {way}"
-    name, mean = str(comparison.table["quantity"].values[index[0]]), numbers["mean"]
+    mean = np.array(numbers["mean"])
     relevant_bounds = to_scale(name, from_scale(name, mean) * np.array([1 - relevant, 1 + relevant]))
     target = float(np.nanmin(np.abs(relevant_bounds - mean)))
-    needed_maps = maps_needed(float(numbers["spread"]), target, pairs=comparison.paired)
-    missing_maps = max(needed_maps - comparison.maps, 1)
+    missing_maps = max(maps_needed(numbers["spread"], target, pairs=comparison.paired) - comparison.maps, 1)
     plural = "s" if missing_maps > 1 else ""
     count = f"more than {_MAX_MAPS}" if missing_maps > _MAX_MAPS else f"about {missing_maps}"
     group = "" if comparison.paired else " per group"
     more_maps = f"{count} more {comparison.noun}{plural}{group} needed"
     if numbers["shared"] < target:
         return more_maps
-    advice = ADVICE.get(SOURCES[int(numbers["largest_source"])], "state what they share")
+    advice = ADVICE.get(cause, "state what they share")
     shared_error = f"all maps share errors above {percent(relevant)}; {advice}"
     pairs = 1 if comparison.paired else 2  # whose scatter adds
     freedom = np.array(pairs * (comparison.maps - 1.0))
@@ -500,13 +499,3 @@ def _logarithm(name: str, values: np.ndarray) -> np.ndarray:
     """Return the logarithm of a quantity from its scale."""
     with np.errstate(divide="ignore"):  # of an unbounded end
         return np.log(from_scale(name, values))
-
-
-def _table(rows: Mapping[str, Mapping[str, np.ndarray]], loads: np.ndarray) -> xr.Dataset:
-    """Return columns (load,), a row for each quantity, as a dataset."""
-    keys = next(iter(rows.values()), dict.fromkeys(_RATIOS))
-    arrays = {key: np.reshape([row[key] for row in rows.values()], (len(rows), loads.size)) for key in keys}
-    return xr.Dataset(
-        {key: (("quantity", "load"), array) for key, array in arrays.items()},
-        {"quantity": np.array([*rows], object), "mean_pressure": ("load", loads)},
-    )
