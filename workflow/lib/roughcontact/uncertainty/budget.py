@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.checking import check_choice, check_labelled
 from roughcontact.arguments.choices import UncertaintySource
 from roughcontact.arguments.ranges import ends, name_of_range
@@ -38,6 +37,7 @@ OF_MATERIAL: dict[str, UncertaintySource] = {
     HARDNESS: "hardness",
 }
 MATERIAL_UNCERTAINTIES = {name_of_range(name): name for name in OF_MATERIAL}
+_LABELS: dict[str, Any] = {"source": [*SOURCES, COMBINED], "component": [*SIDES], "input": [*INPUTS]}
 
 
 @as_si
@@ -131,8 +131,8 @@ def error_budget(
     contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
     # a load that does not converge gives NaN instead of ending the job
     lenient, load = {**contact, "on_failure": "flag"}, loads_of(contact)
-    rejected_share = rejected_load_share(levelled, window=settings["window"], contact=lenient)
-    columns: dict[str, tuple] = {"rejected_load_share": ("load", rejected_share)}
+    share = rejected_load_share(levelled, window=settings["window"], contact=lenient)
+    columns: dict[str, tuple] = {"rejected_load_share": ("load", share)}
     if not (sources := add_correction_source(sources, window)):
         return xr.Dataset(columns, {"mean_pressure": ("load", load)})
     solved = solve_contact(window, **contact, reduce=budget_inputs) if solved is None else solved
@@ -158,7 +158,7 @@ def error_budget(
     if "window" in sources:
         scatter = scatter_of(result, levelled, arguments=settings["window"], number=windows)
         middle |= {name: middle[name] + offset for name, offset in scatter.shift.items()}
-        grooves = {*constrictions_in_grooves(window)} & {*middle}
+        grooves = (key for key in constrictions_in_grooves(window) if key in middle)
         scatter = scatter._replace(open_ended={key: solved[f"{key}_half_way"].values > 0 for key in grooves})
         attrs = sample_attributes(scatter, levelled)
         columns |= _columns_of_members(result, scatter)
@@ -169,11 +169,8 @@ def error_budget(
     hardness = ends(result.hardness, ranges.get(HARDNESS))
     sensitivities, of_inputs = input_uncertainty(result, solved, ranges)
     columns |= {f"{name}_sensitivity": (("load", "input"), slopes) for name, slopes in sensitivities.items()}
-    columns |= {
-        f"{HARDNESS}{suffix}": ((), limit)
-        for suffix, limit in zip(ENDS[1:], hardness, strict=True)
-        if hardness[0] < hardness[1]
-    }
+    if hardness[0] < hardness[1]:
+        columns |= {f"{HARDNESS}_lower": ((), hardness[0]), f"{HARDNESS}_upper": ((), hardness[1])}
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
     for source in dict.fromkeys(stated.values()):
         components[source] = sum_of_causes(of_inputs[key] for key in stated if stated[key] == source)
@@ -196,8 +193,7 @@ def error_budget(
     columns |= interval_columns(
         result, as_solved, middle, components, scatter=scatter, octave=octave, hardest=hardness[1]
     )
-    labels = {"source": [*SOURCES, COMBINED], "component": [*SIDES], "input": [*INPUTS]}
-    return xr.Dataset(columns, {"mean_pressure": ("load", load), **labels}, attrs)
+    return xr.Dataset(columns, {"mean_pressure": ("load", load)} | _LABELS, attrs)
 
 
 def _check(levelled_map: xr.DataArray, window: xr.DataArray, sources: Sequence[UncertaintySource]) -> None:
@@ -206,10 +202,11 @@ def _check(levelled_map: xr.DataArray, window: xr.DataArray, sources: Sequence[U
         check_choice("uncertainty.sources", source, UncertaintySource)
     for height in (levelled_map, window):
         check_labelled(height)
-    missing = int(levelled_map.isel(measured_slices(levelled_map, window)).isnull().sum())
-    wrong = f"the levelled map has {missing} missing points where the window lies" if missing else ""
-    if not missing and "form" in window.attrs and "form" not in levelled_map.attrs:
+    wrong = ""
+    if "form" in window.attrs and "form" not in levelled_map.attrs:
         wrong = "the window is of a levelled map, and this map was not levelled"
+    if missing := int(levelled_map.isel(measured_slices(levelled_map, window)).isnull().sum()):
+        wrong = f"the levelled map has {missing} missing points where the window lies"
     if wrong:
         raise HeightMapError(
             f"error_budget: {wrong}: pass the map that level returned, of which the window is a part"
@@ -218,8 +215,10 @@ def _check(levelled_map: xr.DataArray, window: xr.DataArray, sources: Sequence[U
 
 def _columns_of_members(result: Result, scatter: Scatter) -> dict[str, tuple]:
     """Return `{quantity}_parts` (member, load), NaN but at the loads that are solved."""
+    columns: dict[str, tuple] = {}
     members = {**scatter.members, PRESSURE: result.load[result.few] / scatter.members[AREA]}
-    at_loads = {name: np.full((len(numbers), result.load.size), np.nan) for name, numbers in members.items()}
     for name, numbers in members.items():
-        at_loads[name][:, result.few] = numbers
-    return {f"{name}_parts": (("member", "load"), numbers) for name, numbers in at_loads.items()}
+        at_loads = np.full((len(numbers), result.load.size), np.nan)
+        at_loads[:, result.few] = numbers
+        columns[f"{name}_parts"] = ("member", "load"), at_loads
+    return columns

@@ -40,11 +40,6 @@ def entry(name: str) -> str:
     return "critical_constriction" if name in CONSTRICTIONS else name
 
 
-def _expected_size(slopes: Mapping[str, float], features: Features) -> np.ndarray:
-    """Return exp(sum of slope times feature), the expected size of an error or a scatter."""
-    return np.exp(sum(slope * np.asarray(features.get(key, 1.0)) for key, slope in slopes.items()))
-
-
 def scatter_between_maps(name: str, half_width: np.ndarray | float) -> tuple[np.ndarray, float]:
     """Return the standard deviation that maps of a surface are expected to have, and its degrees of freedom.
 
@@ -69,7 +64,8 @@ def arms(
     lower = upper = np.full(np.shape(area), np.inf)
     if key != JOINT:
         lower, upper = look_up(table()["arms"][key][entry(name)], area)
-    size = _expected_size(table()["size"][entry(name)], features)
+    slopes = table()["size"][entry(name)]
+    size = np.exp(sum(slope * np.asarray(features.get(key, 1.0)) for key, slope in slopes.items()))
     shift = 0.0 if key == "map" else features.get("trend", 0.0)
     limit = limit_of_gap(key, area, gap) if name == GAP else np.inf
     return lower * size - shift, np.fmin(upper * size + shift, limit)
@@ -117,14 +113,3 @@ def look_up(
 def _logarithm_of_load(area: np.ndarray) -> np.ndarray:
     """Return the scale of contact areas, by which the loads of the bank are known."""
     return np.log(np.maximum(inverse_erf_area(area), 1e-12))
-
-
-def octave_arms(name: str) -> tuple[float, float]:
-    """Return the arms of one octave more, down and up, over the root of 1 + (change by the last one)^2."""
-    octave = table()["octave"][entry(name)]
-    return octave["down"], octave["up"]
-
-
-def discretisation_floor(name: str) -> float:
-    """Return the least half-width that stays after the extrapolation to no pixels, on the scale."""
-    return table()["discretisation"][entry(name)]

@@ -108,14 +108,9 @@ def components_of_parts(
     before = None if as_measured is None else levelled_parts(as_measured)[0]
     causes += instrument_components(result, instrument, before, undone(cut[0], instrument))[0]
     for runs in ends_of_inputs:
-        at_ends = [end(cut[0]) for end in runs]
+        at_ends = courses[0], *(end(cut[0]) for end in runs)
         changes = {name: np.array([change(name, course, courses[0]) for course in at_ends]) for name in names}
-        causes.append(
-            {
-                name: half_widths(np.maximum(-both.min(axis=0), 0.0), np.maximum(both.max(axis=0), 0.0))
-                for name, both in changes.items()
-            }
-        )
+        causes.append({k: half_widths(-both.min(axis=0), both.max(axis=0)) for k, both in changes.items()})
     return sum_of_causes(causes)
 
 
@@ -124,11 +119,8 @@ def with_ends(course: xr.Dataset, causes: Iterable[Components]) -> xr.Dataset:
 
     Closed gaps and infinite conductances have no scale, and no ends.
     """
-    ends = {
-        f"{name}{suffix}": (course[name].dims, end)
-        for name, total in sum_of_causes(causes).items()
-        for suffix, end in zip(
-            ENDS[1:], interval_bounds(name, to_scale(name, course[name].values), total), strict=True
-        )
-    }
-    return course.assign(ends)
+    columns: dict[str, tuple] = {}
+    for name, total in sum_of_causes(causes).items():
+        bounds = interval_bounds(name, to_scale(name, course[name].values), total)
+        columns |= {f"{name}{k}": (course[name].dims, end) for k, end in zip(ENDS[1:], bounds, strict=True)}
+    return course.assign(columns)

@@ -189,7 +189,7 @@ def _at_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[x
     maps = [data.sortby("mean_pressure") for data in maps]
     loads = common_loads(" and ".join(names), names, maps)
 
-    def at_loads(name: str, by_load: xr.DataArray) -> tuple[Any, np.ndarray]:
+    def at_loads(name: str, by_load: xr.Variable) -> tuple[Any, np.ndarray]:
         by_load = by_load.transpose("load", ...)
         has_scale, own_loads = name in headline_names(data), data["mean_pressure"].values
         values = to_scale(name, by_load.values) if has_scale else by_load.values

@@ -66,7 +66,7 @@ def discretisation_error(
     for name, value in result.values.items():
         unit = result.values[GAP] if name in CONSTRICTIONS else np.ones_like(value)
         corrections[name], width = extrapolated(name, changes[name])
-        width = np.hypot(width, unit * calibration.discretisation_floor(name))
+        width = np.hypot(width, unit * calibration.table()["discretisation"][calibration.entry(name)])
         if name == AREA:
             width = np.hypot(width, _edge_noise(value, pixel_share, region.size))
         components[name] = symmetric(width)

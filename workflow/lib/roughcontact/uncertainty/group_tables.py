@@ -88,10 +88,9 @@ def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
         head: dict[str, Any] = {} if case is None else {"case": case}
         head |= {"group": name, "maps": answer.sizes["map"], "parts": len(set(answer["part"].values))}
         names = [f"{quantity}{ending}" for quantity in headline_names(answer) for ending in _ENDINGS]
-        rows += [
-            head | {"mean_pressure_Pa": load} | {column: answer[column].values[index] for column in names}
-            for index, load in enumerate(answer["mean_pressure"].values)
-        ]
+        for index, load in enumerate(answer["mean_pressure"].values):
+            row = head | {"mean_pressure_Pa": load}
+            rows.append(row | {column: answer[column].values[index] for column in names})
     return pd.DataFrame(rows, columns=None if rows else ["group", "maps", "parts", "mean_pressure_Pa"])
 
 

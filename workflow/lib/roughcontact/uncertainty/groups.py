@@ -392,7 +392,7 @@ def _remarks(answer: xr.Dataset, datasets: Sequence[xr.Dataset], members: Member
         sentences.append(
             f"All maps are of the part {part_names[0]}: the interval says nothing of other parts."
         )
-    map_loads = [data["mean_pressure"].values for data in datasets]
+    map_loads = (data["mean_pressure"].values for data in datasets)
     if any(value.size != loads.size or not same_load(value, loads).all() for value in map_loads):
         sentences.append(
             f"The maps were solved at different loads: they are compared from {quantity(loads[0], 'Pa')} to "

@@ -133,10 +133,8 @@ def _end_of_hardness(factor: float, result: Result, solution: xr.Dataset) -> tup
     if not flows.any():
         return change, stated
     load = np.minimum(result.load, (1 - 2 * NEAR_HARDNESS) * hardness)
-    softer = result._replace(
-        contact={**result.contact, "hardness": hardness, "mean_pressure": load}, values=stated
-    )
-    values = softer.again(result.window)
+    contact = {**result.contact, "hardness": hardness, "mean_pressure": load}
+    values = result._replace(contact=contact, values=stated).again(result.window)
     ends_at_loads = {name: np.where(flows, value, stated[name]) for name, value in values.items()}
     # edges of pixels make an area too small for the load
     return change, ends_at_loads | {AREA: np.fmax(ends_at_loads[AREA], load / hardness)}

@@ -40,6 +40,8 @@ def window_components(
     windows: dict[calibration.Measurand, dict[str, Component]] = {key: {} for key in measurands}
     area, has_scatter = from_scale(AREA, middle[AREA]), bool(scatter.arms or scatter.features)
     for measurand, name in product(measurands, middle):
+        # without subwindows nothing bounds what other places would give
+        below = above = np.full(gap.shape, np.inf)
         if measurand == "map" and (scatter.of_positions or not has_scatter):
             below = above = np.zeros(gap.shape)
         elif arm := scatter.arms.get(measurand, {}).get(name):  # whatever the size of the map
@@ -48,8 +50,6 @@ def window_components(
             continue
         elif has_scatter:
             below, above = calibration.arms(measurand, name, scatter.features[name], area, gap / rms_height)
-        else:  # without subwindows nothing bounds what other places would give
-            below = above = np.full(gap.shape, np.inf)
         if name in CONSTRICTIONS and has_scatter:  # counted in mean gaps
             below, above = below * gap, above * gap
         if name in scatter.open_ended and measurand != "map":
@@ -78,15 +78,17 @@ def interval_columns(
     for name in {AREA, PRESSURE} & {*as_solved}:  # full contact, up to the rounding of its scale
         values[name] = np.where(as_solved[AREA] >= 1, as_solved[name], values[name])
     windows: Windows = {key: {} for key in MEASURANDS}
+    widest = np.zeros(result.load.size)  # gap of a member
     if scatter:
         windows = window_components(scatter, middle, as_solved[GAP], rms_height=float(result.window.std()))
+        widest[result.few] = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
     components = {source: add_pressure(causes, centres[AREA]) for source, causes in components.items()}
     windows = {key: add_pressure(component, centres[AREA]) for key, component in windows.items()}
-    sources, by_source = [*components.values()], {**components, "window": windows["surface"]}
+    by_source = {**components, "window": windows["surface"]}
     # beginning of the name -> results on their scales and in their units, and what adds up about them
     intervals = {"": (centres, values, [*by_source.values()])}
     for key in [*windows][1:]:  # without the source `window` nothing is known of other places
-        causes = [*sources, windows[key]] if scatter or key == "map" else []
+        causes = [*components.values(), windows[key]] if scatter or key == "map" else []
         intervals[f"{key}_"] = centres, values, causes
     intervals["octave_"] = centres, values, [] if octave is None else [*by_source.values()]
     if octave:
@@ -95,9 +97,6 @@ def interval_columns(
         extension = add_pressure({name: pair[1] for name, pair in octave.items()}, shorter[AREA])
         intervals["octave_"] = shorter, change, [*by_source.values(), extension]
     columns: dict[str, tuple] = {}
-    widest = np.zeros(result.load.size)  # gap of a member
-    if scatter:
-        widest[result.few] = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
     for name, plain in as_solved.items():
         for prefix, (on_scales, in_units, causes) in intervals.items():
             if prefix == f"{JOINT}_" and name not in windows[JOINT]:

@@ -24,6 +24,7 @@ than the map: it keeps its own.
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -120,13 +121,11 @@ def _view(
     arguments: Mapping[str, Any],
 ) -> View:
     """Return what an overview shows of other places than that of the map."""
-    like_it = [  # as maps of one instrument are
-        other
-        for other in (overview, *overviews)
-        if np.allclose(spacing(other), spacing(overview), rtol=_SAME_PIXELS)
-    ]
-    places = ((other, placing.recorded_place(other)) for other in like_it)
-    own = next((other.isel(window_of_place(fine, other, place)) for other, place in places if place), None)
+    own = None
+    for other in (overview, *overviews):  # those with its pixels, as maps of one instrument have
+        is_like_it = np.allclose(spacing(other), spacing(overview), rtol=_SAME_PIXELS)
+        if own is None and is_like_it and (place := placing.recorded_place(other)):
+            own = other.isel(window_of_place(fine, other, place))
     footprint = placing.shown_by(fine, overview) if own is None else own
     return View(
         transfers_of(result, form_order(fine), footprint, overview, arguments),
@@ -158,8 +157,8 @@ def windows_of_places(shape: tuple[int, ...], overview: xr.DataArray) -> list[Sl
     tiles = []
     for n, points in zip(overview.shape, shape, strict=True):
         begins = np.linspace(0, n - points, min(n // points, MAX_PLACES)).round().astype(int)
-        tiles.append([slice(int(begin), int(begin) + points) for begin in begins])
-    return [{"y": y, "x": x} for y in tiles[0] for x in tiles[1]]
+        tiles.append([slice(begin, begin + points) for begin in begins.tolist()])
+    return [{"y": y, "x": x} for y, x in product(*tiles)]
 
 
 def transfers_of(
@@ -200,29 +199,22 @@ def _results(result: Result, windows: list[xr.DataArray]) -> dict[str, np.ndarra
 
 def with_views(alone: Scatter, result: Result, views: Sequence[View]) -> Scatter:
     """Return the scatter of a map with the shifts and the arms that its overviews give."""
-    arms: dict[Measurand, dict[str, tuple[np.ndarray, np.ndarray]]] = {
-        key: {} for key in (*MEASURANDS, ALONE, JOINT)
-    }
-    shift, joint = {}, {}
+    arms: dict[Measurand, dict[str, tuple[np.ndarray, np.ndarray]]] = {}
+    shift: dict[str, np.ndarray] = {}
+    joint = {}
     area, gap = result.values[AREA], result.values[GAP] / float(result.window.std())
     largest = max(views, key=lambda view: (view.sees_map, view.field))
-    for name in views[0].transfers:
-        centres: dict[Measurand, Any] = dict.fromkeys(arms, 0.0)
-        ends = {key: calibration.arms(key, name, alone.features[name], area, gap) for key in arms}
-        for key in OTHER_PLACES:
+    for name, key in product(views[0].transfers, (*MEASURANDS, ALONE, JOINT)):
+        ends = np.array(calibration.arms(key, name, alone.features[name], area, gap))
+        centre = np.zeros(area.shape)
+        if key in OTHER_PLACES:
             shown = [view.numbers(key, name, area) for view in ([largest] if key == JOINT else views)]
-            centre, *bounds = _combined(np.array(shown))
             # NaN where all overviews, or the own place in them, are closed
-            centres[key] = np.nan_to_num(centre)
-            below, above = (
-                np.where(np.isnan(arm), bound, arm) for arm, bound in zip(bounds, ends[key], strict=True)
-            )
-            ends[key] = below, above
-        shift[name] = centres["surface"]
-        joint[name] = centres[JOINT] - shift[name]
-        for key, (below, above) in ends.items():
-            off = centres[key] - shift[name]
-            arms[key][name] = below - off, above + off
+            centre, *bounds = _combined(np.array(shown))
+            centre, ends = np.nan_to_num(centre), np.where(np.isnan(bounds), ends, bounds)
+        # of the measurands the surface is the first
+        joint[name] = centre - shift.setdefault(name, centre)
+        arms.setdefault(key, {})[name] = ends[0] - joint[name], ends[1] + joint[name]
     return alone._replace(arms=arms, shift=shift, joint=joint)
 
 

@@ -27,7 +27,7 @@ from roughcontact.surface.levelling.level import level
 from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.window.band import is_limited_by_grid
 from roughcontact.surface.window.transfer import reliability_length, shortest_transmitted
-from roughcontact.uncertainty.calibration import octave_arms
+from roughcontact.uncertainty.calibration import entry, table
 from roughcontact.uncertainty.combination import Component, Components, half_widths, one_sided, symmetric
 from roughcontact.uncertainty.discretisation import LARGEST_PART, part_around
 from roughcontact.uncertainty.ensemble import MARGIN, Result
@@ -190,8 +190,8 @@ def next_octave(
     for name, change in _changes(curve, 0).items():
         if finer is None:
             unit = curve[f"{GAP}_at_cutoff"][1][:, 0] if name in CONSTRICTIONS else 1.0
-            arms = (arm * np.hypot(change, unit) for arm in octave_arms(name))
-            octave[name] = np.zeros_like(change), half_widths(*arms)
+            arms, size = table()["octave"][entry(name)], np.hypot(change, unit)
+            octave[name] = np.zeros_like(change), half_widths(arms["down"] * size, arms["up"] * size)
         else:  # as many octaves of the last one's growth
             shift = change * min(growth / last, 4.0) if last > 0 else 0 * change
             if name == AREA:
