@@ -576,6 +576,7 @@ class TestMap:
                 click(browser, f"[name=tool][value={tool}]")
                 drag(browser, *corners)
                 saved(browser)
+            browser.wait("document.querySelector('#cursor').textContent.startsWith('x 100 µm')")  # and stays
             picture(browser, "app-map", ".viewer")
             click(browser, "[name=tool][value=mask]")
             drag(browser, (0.6, 0.4), (0.7, 0.6))

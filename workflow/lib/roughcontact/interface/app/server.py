@@ -6,7 +6,6 @@ import secrets
 import signal
 import socket
 import sys
-import time
 import webbrowser
 from pathlib import Path
 
@@ -28,7 +27,7 @@ from roughcontact.interface.app.page import FOLDER, Page
 from roughcontact.interface.app.study import check_within_study, error_in_words
 from roughcontact.study.run_lock import lock_file
 
-_FAREWELL = 1.5  # s in which a page that is closed says so
+_TRIES = 75  # of 20 ms, in which a page that is closed says so
 _LOCK, _OPENING = Path(".snakemake/page"), Path(".snakemake/page.html")
 
 
@@ -37,11 +36,10 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
     claim, one_by_one = Claim(), asyncio.Lock()
 
     async def first(request: Request) -> Response:
-        deadline = time.monotonic() + _FAREWELL  # of the same page before it was loaded again
-        name = claim.open(here="here" in request.query_params)
-        while not name and time.monotonic() < deadline:
+        for _ in range(_TRIES):  # the same page before it was loaded again may still say farewell
+            if name := claim.open(here="here" in request.query_params):
+                break
             await asyncio.sleep(0.02)
-            name = claim.open()
         async with one_by_one:
             return HTMLResponse(page.first(name), 200 if name else 409, {} if name else {"Refresh": "2"})
 
