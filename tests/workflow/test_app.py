@@ -279,6 +279,7 @@ class TestFiveSteps:
             click(browser, "#compare")
             browser.wait("document.querySelector('#answer').textContent.includes('numbers')")
             assert browser.text("#command").startswith("roughcontact compare results/")
+            assert len({*browser.text("#command").split()}) == 4  # not with itself
             browser.evaluate("document.querySelector('#result').value = 'one'")
             browser.evaluate("document.querySelector('#form').value = '.gsf'")
             click(browser, "#export")
