@@ -247,6 +247,15 @@ def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, word
         ["Pixel width: 0.5 &micro;m", "Pixel height: 0.25 &micro;m"],
         ["ScanWidth=5", "ScanHeight=2", "ScanUnit=µm"],
         ["dx = 0.5 µm, dy = 0.25 µm, z in nm"],
+        ["x-step 0.5 µm, y-step 0.25 µm, z in nm"],
+        ["10 columns x 8 rows, pixel 0.5 µm x 0.25 µm, heights nm"],
+        ["pixel size (x, y): 0.5, 0.25 µm; 10 x 8 points"],
+        ["dx=0.5e-6 dy=0.25e-6 unit=m"],
+        ["Size X: 5 µm, Size Y: 2 µm", "Z-values nm"],
+        ["Der Zeilenabstand beträgt 0,25 µm.", "Abtastschritt x: 0,5 µm", "Vertikale Einheit: nm"],
+        ["Échantillonnage x: 0,5 µm", "Le pas y est de 0,25 µm", "Les hauteurs sont en nm"],
+        ["Campionamento x: 0,5 µm", "Il passo y è di 0,25 µm", "Tutte le altezze in nm"],
+        ["Muestreo x: 0,5 µm", "El paso y es de 0,25 µm", "Las alturas están en nm"],
     ],
 )
 def test_statements_that_agree_are_used(read, lines):
@@ -260,6 +269,8 @@ def test_statements_that_agree_are_used(read, lines):
             "# x,y in um; z in nm",
             "x, y in µm, heights in nm",
             "// # x,y in um; Höhe in nm",
+            "# lateral units um, heights nm",
+            "# coordinates in um, heights in nm",
             "# x/um, y/um, z/nm",
         ),
         *(
@@ -267,6 +278,7 @@ def test_statements_that_agree_are_used(read, lines):
             "% Einheiten: um / um / nm",
             "unit of x and y um, of z nm",
             "// [um] [um] [nm]",
+            "# x, y: um, z: nm",
         ),
     ],
 )
@@ -357,7 +369,7 @@ def test_columns_of_other_quantities_are_no_positions(refused, heading):
     refused(f"{heading}\n{text}", "which of the . columns|give dx", **NM)
 
 
-@pytest.mark.parametrize("name", ["z*1000", "z x10^-3", "-z", "Ra", "Amplitude", "z inverted"])
+@pytest.mark.parametrize("name", ["z*1000", "z x10^-3", "-z", "Ra", "Amplitude", "z inverted", "Gray_Value"])
 def test_a_heading_of_changed_or_other_heights_is_said(read, name):
     height = read(f"x (µm);{name} (nm)\n{TRACE}")
     assert f"the heights are those of the column '{name}', as they are" in warnings_of(height)
@@ -620,9 +632,15 @@ def test_a_factor_above_counts_is_asked_about_in_any_words(read, refused, line):
         "depth below reference plane",
         "Multiplied by -1",
         "Réplique: oui",
+        "stored column by column",
+        "Magnification in z: 10x",
+        "Units: V",
+        "z in volts",
+        "slope in mrad",
+        "Temperature in °C",
     ],
 )
-def test_hills_that_may_be_valleys_are_said(read, line):
+def test_hills_that_may_be_valleys_or_other_quantities_are_said(read, line):
     message = f"line 4 says '{line}', which is not used: check first_row, the sign"
     assert message in warnings_of(read(matrix(*SIZED, line)))
 
@@ -660,3 +678,18 @@ def test_wrapped_lines_are_asked_about(read, refused, count):
         f"{count} lines each go on where the one above",
     )
     read(matrix(*lines, heights=smooth))
+
+
+def test_a_number_of_points_in_a_phrase_shows_that_lines_are_missing(read, refused):
+    head = "pixel size 0.5 µm, 10 x 12 points, heights in nm"
+    refused(f"{head}\n{ROWS}", "says 10 and 12, the table has 8 rows of 10 numbers; it was cut off")
+    message = "line 1 says '10 x 12 points of steel', which is not used: check the steps"
+    assert message in warnings_of(read("10 x 12 points of steel\n" + ROWS, **GIVEN))
+
+
+def test_a_named_column_without_cells_and_a_section_are_no_columns(read):
+    rows = TRACE.replace("\n", ";\n")
+    for above in ("", "Date;3.2.2026;\n;;\n"):
+        holds_nm(read(f"{above}x [µm];z [nm];Comment\n{rows}"), ONE[:1])
+    column = cells(ONE[:1].T)
+    holds_nm(read(f"[Profile]\nStep x: 0.5 µm\nZ unit: nm\n[Data]\n{column}"), ONE[:1])

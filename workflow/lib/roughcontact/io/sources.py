@@ -24,8 +24,10 @@ from roughcontact.io.vocabulary import pattern, words
 #: Column of the table -> what it states.
 THINGS = {column: names[0] for column, names in words("thing").items()}
 _SAYS = {matter: pattern("aside", matter) for matter in words("aside")}
-_NO_HEIGHTS = re.compile(
-    rf"(?:data|signal|type|image|quantity)\W*[:=]\W*(?:{NO_TOPOGRAPHY.pattern})", re.IGNORECASE
+_NO_HEIGHTS = re.compile(  # "Data type: phase", "Slope in mrad"
+    rf"(?:data|signal|type|image|quantity)\W*[:=]\W*(?:{NO_TOPOGRAPHY.pattern})|"
+    rf"^\W*(?:{NO_TOPOGRAPHY.pattern})\w*\s+(?:in\b|[\[(])",
+    re.IGNORECASE,
 )
 _DENIED = re.compile(r"\b(?:no|none|false|off|nein|non|0)\W*$", re.IGNORECASE)
 _QUANTITY = re.compile(rf"(?:(?P<number>(?>{NUMBER.pattern}))\s*|(?<!\w))(?P<unit>[^\W\d_]+)(?![\w^])")
@@ -36,7 +38,8 @@ _SPEED = re.compile(r"\s*/\s*(?:s|sec|min|h)\b")
 _PLAIN = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 _TOLERANCE = re.compile(r"(?:\+/-|±)\s*[\d.,]+\s*\w*")
 _LATERAL = re.compile(r"\b[xy]+\b|lateral|horizont|scan", re.IGNORECASE)  # of a unit that is not the heights'
-_COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*[^\W\d_])")
+_COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*(?!point|pixel)[^\W\d_])")
+_OF_POINTS = re.compile(r"point|pixel|row|line|punkt|zeile|ligne|righe|punti|fila|punto", re.IGNORECASE)
 _CLOSE, _WIDEST = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with their rounding
 _MAX_QUOTED = 3  # lines in a question
 
@@ -206,7 +209,7 @@ def lines_not_used(
             )
         elif "pixels" in matters and any(value != 1 for value in values):
             check = "which is not used: check the steps dx and dy"
-        elif stated_above and (strange or strange_points):
+        elif (stated_above and (strange or strange_points)) or (strange_points and _OF_POINTS.search(text)):
             check = "which is not used: check the steps dx and dy, and the units"
         elif not _LATERAL.search(text) and any(
             length.bare and metres(length.unit) != height_factor and not length.agrees(lengths_used)

@@ -38,7 +38,7 @@ from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import Dialect, Rows, Table, left_out, parse_table, read_tables
 from roughcontact.io.text.traces import are_traces, runs, turn
 from roughcontact.io.units import is_length, metres, same_length
-from roughcontact.io.vocabulary import pattern
+from roughcontact.io.vocabulary import pattern, words
 
 _SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # header entries on the size of a map
 _MANY_PROFILES = 10  # columns; fewer beside a first one of positions may be profiles
@@ -51,15 +51,6 @@ _SQUARE = pattern("aside", "square")  # names of the step of both axes
 _NAMED, _LENGTH, _UNKNOWN, _NO_HEIGHT = range(4)  # ranks of columns of heights
 _MAX_LINES = 1000  # lines above a table that are searched for other statements
 _LONGEST_LINE, _LONGEST_QUOTE = 200, 60  # characters of such a line, and of what is shown of it
-# column of the table of surfaces -> entries of the header that state the same, the one that counts last
-_ENTRIES = {
-    "dx": ("length_x", "step", "dx"),
-    "dy": ("length_y", "step", "dy"),
-    "unit": ("unit", "lateral_unit"),
-    "height_unit": ("unit", "height_unit", "z_factor"),
-    "missing_value": ("missing",),
-    "factor": ("z_factor",),
-}
 _MAX_DISTANCE = 20  # lines above the table among which may be a heading with a unit
 _SIDE = {axis: pattern("side", axis) for axis in "xy"}
 _KEYENCE = -99999.9999  # that VR and VK series write for a missing point
@@ -629,7 +620,7 @@ def _channel(numbers: np.ndarray, text: _Text, unit: str | None = None, **attrib
         numbers, unit = numbers * factor.value, factor.unit or unit
     lines = {
         column: f"line {text.stated[entry][0].line}"
-        for column, entries in _ENTRIES.items()
+        for column, entries in words("source").items()
         for entry in entries
         if entry in text.stated and text.stated[entry][0].line
     }

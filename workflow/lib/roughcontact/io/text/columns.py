@@ -175,7 +175,7 @@ def _name_and_unit(cell: str) -> tuple[str, str | None]:
         return "", cell
     name, opening, remainder = cell.replace("[", "(").partition("(")
     inside, closing, tail = remainder.replace("]", ")").partition(")")
-    if opening and closing and inside.strip():
+    if opening and closing and inside.strip() and (name or tail or is_length(inside.strip())):
         return f"{name} {tail}".strip(" _"), inside.strip()
     if "/" in cell:
         name, _, unit = cell.rpartition("/")

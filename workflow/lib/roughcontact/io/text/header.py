@@ -23,20 +23,8 @@ LENGTHS = ("length_x", "length_y", "length", "dx", "dy", "step", "size")
 _COUNTS = ("nx", "ny", "count")
 _REPEATED = ("channel", "missing", "height_range", "count", "length", *_INSTRUMENT)
 _UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: counts to nanometres
-# entries with two values in one line: meanings of these as lengths, as pixels, and without a unit
-_TWO_VALUES = {
-    "size": ("length_{}", "n{}", ""),
-    "step": ("d{}", "", ""),
-    "per_pixel": ("d{}", "n{}", "count"),
-    "count": ("", "count", "count"),
-}
+_TWO_VALUES, _BY_UNIT = words("values"), words("either")
 _PIXELS = {"length_x": "nx", "length_y": "ny"}  # a size in pixels is a number of them
-# words that mean one thing with a unit of length, another, or nothing that is known, without
-_BY_UNIT = {
-    f"{word}_{axis}": (length + axis, count and count + axis)
-    for axis in "xy"
-    for word, length, count in (("pixel", "d", "n"), ("side", "length_", "n"), ("resolution", "d", ""))
-} | {"nx": ("", "nx"), "ny": ("", "ny")}
 _PIXEL_WORDS = ("px", "pixel", "pixels", "points", "pts", "samples", "lines", "rows", "columns")
 _MEANING = meanings("header") | dict.fromkeys(words("header")["height"], "length_y")
 _COMPOSED, _PART = meanings("composed"), meanings("part")
@@ -53,8 +41,13 @@ _TWO_SIDES = re.compile(
     rf"([^\d:=]*?[^\W\d])\W*?[\s:=]\s*((?:{_SIDE}\b\s*[=:]?\s*)?[-+.\d].*)", re.IGNORECASE
 )
 _BEFORE_A_NUMBER = re.compile(r"([^\d;,]*[^\W\d])\s+([\[(]?[-+.]?\d.*)")
-_UNIT_OF_AXES = re.compile(r"([^\d:=]*[^\W\d]\s+[^\W\d]+)\s+(\S+)")
-_AXES_AND_UNITS = {"unit", "none", "x", "y", "z", "in", "and", "und"}
+_OF_AXES = meanings("axis")
+_NO_HEADINGS = re.compile(r"[^(\[/]*(?::|\b(?:and|und|et)\b)[^(\[/]*")
+# between the entries of a line, not within brackets
+_PIECES = re.compile(r"[;,]\s+(?=[^\W\d]|\d+\s*(?:[x×]\s*\d+)?\s+[^\W\d])(?![^(\[]*[)\]])")
+_COUNTED = re.compile(
+    r"(\d+(?:\s*[x×]\s*\d+)?)\s+([^\W\d]+)(?:\s*(?:[x×]|\band\b|\bby\b)\s*|$)"
+)  # "18 columns"
 _MAX_UNIT = 20  # characters of a unit behind words
 _MAX_PHRASE = 200  # characters of an entry in words; the patterns take the square of their number
 NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
@@ -63,7 +56,7 @@ _BETWEEN_SIDES = re.compile(
     r"(?<=[^\W\d])\s+(?=\d)"
 )
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
-_PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IGNORECASE)
+_PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|pix|px|point|pt|sample)s?$", re.IGNORECASE)
 # its pixels, or steps, are not the map's
 CAMERA = re.compile(r"(?=.*pixel).*\b(?:camera|sensor|detector|ccd)\b|.*\b(?:motor|moteur)\b", re.IGNORECASE)
 _HEIGHT_WORDS = "|".join(words("header")["height"] + words("part")["height"])
@@ -127,11 +120,19 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
             continue
         if len(text) > _MAX_PHRASE:
             text = re.sub(r"(\s)\s+", r"\1", text)
-        for key, value in _entries(text):
-            for meaning, statement in _parse_entry(key, value, sign):
-                located = statement._replace(line=number, text=text[:_LONGEST])
-                by_meaning.setdefault(meaning, []).append(located)
+        pieces = _PIECES.split(text) if len(text) < _MAX_PHRASE else [text]
+        found = [[*_parsed(piece, sign, alone=len(pieces) == 1)] for piece in pieces]
+        # all pieces are entries, or the line is one
+        for meaning, statement in chain(*found) if all(found) else _parsed(text, sign):
+            located = statement._replace(line=number, text=text[:_LONGEST])
+            by_meaning.setdefault(meaning, []).append(located)
     return by_meaning
+
+
+def _parsed(text: str, sign: str, *, alone: bool = True) -> Iterator[tuple[str, Statement]]:
+    """Yield the meanings and statements of a line, or of a piece that does not stand alone in one."""
+    for key, value in _entries(text, alone=alone):
+        yield from _parse_entry(key, value, sign)
 
 
 def disagreeing(by_meaning: Stated) -> str:
@@ -227,7 +228,7 @@ def _agree(first: tuple[Statement, int], second: tuple[Statement, int], general:
     return any(math.isclose(steps[0] * ratio, steps[1], rel_tol=slack) for ratio in (1, between_ends))
 
 
-def _entries(text: str) -> Iterator[tuple[str, str]]:
+def _entries(text: str, *, alone: bool) -> Iterator[tuple[str, str]]:
     """Yield the keys and values of a line: one, as ``Width: 5 mm``, or several, as ``h=305 w=75``."""
     # from the strictest form to the loosest: each takes lines that the next would misread
     pair = _TWO_SIDES.fullmatch(text) if len(text) < _MAX_PHRASE else None
@@ -235,18 +236,15 @@ def _entries(text: str) -> Iterator[tuple[str, str]]:
         yield pair[1], pair[2]
         return
     if axes := _units_of_axes(text):
-        yield from zip(("lateral unit", "lateral unit", "height unit"), axes, strict=True)
+        yield from axes
         return
-    pieces = re.split(r";\s*|(?<!\bx),\s+", text) if len(text) < _MAX_PHRASE else []
-    units = [match for match in map(_UNIT_OF_AXES.fullmatch, pieces) if match and is_length(match[2])]
-    meant = {match[0]: _meaning(match[1]) or "" for match in units}  # "x,y in um; z in nm", no headings
-    if "lateral_unit" in meant.values() or any(sign in text for sign in ":="):
-        yield from ((meant[match[0]].replace("_", " "), match[2]) for match in units if meant[match[0]])
-        text = ", ".join(piece for piece in pieces if not meant.get(piece))
+    if text[:1].isdigit() and not _COUNTED.sub("", text):
+        yield from ((word, number) for number, word in _COUNTED.findall(text))
+        return
     head, *value_texts = re.split(r"\s*[:=]\s*", text)
     keys, values = [head], []
     # "h=305 w=75" is two entries; "file = C:/map" is one, as its second value is no number
-    numbers = all(map(NUMBER.match, value_texts))
+    numbers = all(NUMBER.match(value) or is_length(value) for value in value_texts)
     for value_text in value_texts[:-1] if numbers else ():  # a value, its unit, the next key
         tokens = re.split(r"[\s;]+|,\s+", value_text)
         tails = [" ".join(tokens[start:]).partition("(")[0] for start in range(len(tokens))]
@@ -266,19 +264,44 @@ def _entries(text: str) -> Iterator[tuple[str, str]]:
     else:  # "heights in nm"
         lengths = (stop for stop in range(max(1, len(text) - _MAX_UNIT), len(text)) if is_length(text[stop:]))
         for stop in islice(lengths, 1):
-            if _meaning(text[:stop]) not in ("z", "length_y"):  # "Height (nm)" is a heading
+            # "z nm" is a heading, "z values nm" is none
+            is_heading = alone and not re.search(r"\w[\s_-]+\w", text[:stop])
+            if not is_heading or _meaning(text[:stop]) not in ("z", "length_y"):
                 yield text[:stop], text[stop:]
 
 
-def _units_of_axes(text: str) -> list[str]:
-    """Return the units of x, y and z in a line that says no more, as "Units: mm, mm, nm"; else none."""
-    tokens = re.findall(r"[^\W\d_]+", text) if len(text) < _MAX_PHRASE else []
-    units = [token for token in tokens if is_length(token) and token != "in"]
-    kinds = {_PART.get(token.lower(), token) for token in tokens if token not in units}
-    if "unit" not in kinds or not kinds <= _AXES_AND_UNITS or re.search(r"\d", text):
+def _units_of_axes(text: str) -> list[tuple[str, str]]:
+    """Return keys and values of a line that only says the units of axes and names no columns; else none.
+
+    Examples
+    --------
+    >>> _units_of_axes("x, y: mm; z: nm"), _units_of_axes("Units: mm, nm"), _units_of_axes("x (mm), z (nm)")
+    ([('lateral unit', 'mm'), ('height unit', 'nm')], [('lateral unit', 'mm'), ('height unit', 'nm')], [])
+    """
+    if len(text) >= _MAX_PHRASE or re.search(r"\d", text):
         return []
-    units = units[:1] * (len(units) == 2 and {"x", "y", "z"} <= kinds) + units  # "of x and y mm, of z nm"
-    return units if len(units) == 3 and same_length(*units[:2]) else []
+    units: list[str] = []
+    axes: list[list[str]] = [[]]  # of the first unit, the second ..., and behind the last
+    says_units = False
+    for token in re.findall(r"[^\W\d_]+", text):
+        kind = _PART.get(token.lower(), "")
+        if is_length(token) and token != "in":
+            units.append(token)
+            axes.append([])
+        elif kind in _OF_AXES:
+            axes[-1] += [_OF_AXES[kind]] * (_OF_AXES[kind] != "none")
+            says_units = says_units or kind == "unit"
+        else:
+            return []
+    if says_units and 2 <= len(units) <= 3 and not any(axes[1:]) and len({*axes[0]}) != 1:
+        keys = ["lateral unit"] * (len(units) - 1) + ["height unit"]
+        return [*zip(keys, units, strict=True)] if same_length(units[0], units[-2]) else []
+    entries = [
+        (key, unit) for keys, unit in zip(axes[:-1], units, strict=True) for key in dict.fromkeys(keys)
+    ]
+    lateral_first = [key for key, _ in entries] == sorted((key for key, _ in entries), reverse=True)
+    no_headings = says_units or max(map(len, axes)) > 1 or _NO_HEADINGS.fullmatch(text)
+    return entries if len(units) > 1 and all(axes[:-1]) and lateral_first and no_headings else []
 
 
 @cache
@@ -299,9 +322,11 @@ def _meaning(key: str) -> str | None:
     """Return the meaning of a key: a word, or composed of such; None for an unknown key."""
     name = re.sub(r"[\s_-]+|(?<=[a-z])(?=[A-Z])", " ", key).strip().strip('"').lower()
     parts = {_PART[part] for part in _parts().findall(name[:_MAX_PHRASE])} - {"none"}
+    bare_name = _parts().sub(lambda part: part[0] * (_PART[part[0]] != "none"), name[:_MAX_PHRASE])
     is_phrase = len(name) < _MAX_PHRASE and not re.search(r"\w", _parts().sub("", name))
     composites = (_COMPOSED.get(" ".join(sorted(kinds))) for kinds in (parts, parts - {"in"}) if is_phrase)
-    return _MEANING.get(name) or next(filter(None, composites), None)
+    known = (_MEANING.get(name), *composites, _MEANING.get(" ".join(bare_name.split())))
+    return next(filter(None, known), None)
 
 
 def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Statement]]:
@@ -341,11 +366,12 @@ def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Stateme
         (is_length(candidate), candidate.lower() in _PIXEL_WORDS, not candidate)
         for candidate in (common, units[0].partition(" ")[0] or common)
     )
-    form = next((form for form, is_kind in zip(_TWO_VALUES[meaning], kinds, strict=True) if is_kind), "")
-    form = form if kinds == first_kinds else ""  # "2 µm, binned to 4 µm"
+    form = next((form for form, is_kind in zip(_TWO_VALUES[meaning], kinds, strict=True) if is_kind), "-")
+    form = form if kinds == first_kinds else "-"  # "2 µm, binned to 4 µm"
     texts = [side if unit_text else f"{side} {common}" for side, unit_text in zip(sides, units, strict=True)]
     numbers = [number for text in texts if (number := NUMBER.match(text))]
-    for axis, number in zip(axes, numbers, strict=True) if form and len(sides) == len(numbers) == 2 else ():
+    is_whole = form != "-" and len(sides) == len(numbers) == 2
+    for axis, number in zip(axes, numbers, strict=True) if is_whole else ():
         yield from _parse_numbers(form.format(axis), number, unit, sign)
 
 
@@ -392,7 +418,7 @@ def _parse_numbers(
     if meaning in _COUNTS and number % 1:
         return
     bare_size = meaning == "size" and not is_length(value_unit)
-    unclear = bare_size or meaning in ("per_pixel", "")
+    unclear = bare_size or meaning in ("per_pixel", "-")
     if unclear or (meaning in LENGTHS and _RANGE.match(suffix)):
         return
     yield meaning, Statement(number, value_unit, rounding)

@@ -270,8 +270,10 @@ def _unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]
         lines = [";".join(next(cells_of([line]), [])) for line in (*header, *body)]
     except csv.Error:  # a cell of more than 131 072 characters
         return header, body
+    separator_count = ";".join(next(cells_of([sample]))).count(";")
     for number, line in enumerate(header):
-        if '"' not in line and re.search("[:=]", line):
+        is_row_of_names = lines[number].count(";") == separator_count and not re.search("[:=]", line)
+        if '"' not in line and not is_row_of_names:
             lines[number] = line
     return lines[: len(header)], lines[len(header) :]
 
@@ -441,7 +443,7 @@ def parse_table(rows: Rows, dialect: Dialect) -> Table:
     delimiter = dialect.delimiter
     texts = [dialect.plain(line.strip(" \r\f" if delimiter == "\t" else None)) for line in rows.texts]
     if delimiter is not None:
-        texts = _drop_closing_separators(texts, delimiter)
+        texts = _drop_closing_separators(texts, delimiter, rows.filled[-1][1] if rows.filled else "")
     numbers, counts, spoken = array("d"), array("q"), Counter[str]()
     for number, line, text in zip(rows.lines, rows.texts, texts, strict=True):
         row = _plain_numbers(text, delimiter)
@@ -467,14 +469,18 @@ def parse_table(rows: Rows, dialect: Dialect) -> Table:
     return Table(values, empty, short or not texts[0].split(delimiter)[0].strip(), short, spoken)
 
 
-def _drop_closing_separators(texts: list[str], delimiter: str) -> list[str]:
+def _drop_closing_separators(texts: list[str], delimiter: str, heading: str) -> list[str]:
     """Return lines without a separator at their end that closes them, rather than leaves a last cell empty.
 
     It does where all lines end in one, where only the last line does, which is incomplete then, and where the
-    rows have different lengths otherwise.
+    rows have different lengths otherwise; not below a `heading` that names the last column, too.
     """
     has_separator = [text.endswith(delimiter) for text in texts]
     counts = array("q", [text.count(delimiter) for text in texts])
+    names = [name.strip() for name in heading.split(delimiter)]
+    is_named = {*counts} == {len(names) - 1} and all(has_separator) and names[-1]
+    if is_named and any(map(is_heading, names)):
+        return texts
     if any(has_separator[:-1]) and not all(has_separator) and (len({*counts}) == 1 or _lacks_corner(counts)):
         return texts
     return [text.removesuffix(delimiter) for text in texts]
