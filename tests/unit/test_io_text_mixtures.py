@@ -251,10 +251,12 @@ def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, word
         ["10 columns x 8 rows, pixel 0.5 µm x 0.25 µm, heights nm"],
         ["pixel size (x, y): 0.5, 0.25 µm; 10 x 8 points"],
         ["dx=0.5e-6 dy=0.25e-6 unit=m"],
+        ["xreal: 5e-6 m", "yreal: 2e-6 m", "xres: 10", "yres: 8"],
+        ["Résolution x: 0,5 µm/pixel", "Espacement y: 0,25 µm", "Hauteurs (nm)"],
         ["Size X: 5 µm, Size Y: 2 µm", "Z-values nm"],
         ["Der Zeilenabstand beträgt 0,25 µm.", "Abtastschritt x: 0,5 µm", "Vertikale Einheit: nm"],
         ["Échantillonnage x: 0,5 µm", "Le pas y est de 0,25 µm", "Les hauteurs sont en nm"],
-        ["Campionamento x: 0,5 µm", "Il passo y è di 0,25 µm", "Tutte le altezze in nm"],
+        ["Campionamento x: 0,5 µm", "Il passo y: 0,25 µm", "Tutte le altezze in nm"],
         ["Muestreo x: 0,5 µm", "El paso y es de 0,25 µm", "Las alturas están en nm"],
     ],
 )
@@ -342,6 +344,7 @@ def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refus
         ("Data: Deflection", "which is not used"),
         ("Aspect,0.5", "'Aspect,0.5', which is not used"),
         ("Binning: 2x2", "'Binning: 2x2', which is not used: check the steps dx and dy"),
+        ("every second line omitted", "omitted', which is not used: check the steps dx and dy"),
         ("Pixel size: 0.5 µm\nAspect ratio: 2", "line 2 .* which is not used: check the steps"),
         ("Spacing: 0.5 µm", "line 1 says 'Spacing: 0.5 µm': taken as the step along x and along y"),
         ("dx: 0.5 µm\ndy: 250 nm", "the steps are stated in µm along x and in nm along y: check both"),
@@ -638,6 +641,10 @@ def test_a_factor_above_counts_is_asked_about_in_any_words(read, refused, line):
         "z in volts",
         "slope in mrad",
         "Temperature in °C",
+        "z multiplied by 1000",
+        "values are phase in degrees",
+        "signal: reflectivity",
+        "data rotated by 90°",
     ],
 )
 def test_hills_that_may_be_valleys_or_other_quantities_are_said(read, line):

@@ -17,7 +17,7 @@ from roughcontact.arguments.quantities import counted_noun, quantity
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile
 from roughcontact.io.request import Request
-from roughcontact.io.text.header import CAMERA, NUMBER, number_and_rounding
+from roughcontact.io.text.header import NUMBER, number_and_rounding
 from roughcontact.io.units import is_length, metres
 from roughcontact.io.vocabulary import pattern, words
 
@@ -25,7 +25,7 @@ from roughcontact.io.vocabulary import pattern, words
 THINGS = {column: names[0] for column, names in words("thing").items()}
 _SAYS = {matter: pattern("aside", matter) for matter in words("aside")}
 _NO_HEIGHTS = re.compile(  # "Data type: phase", "Slope in mrad"
-    rf"(?:data|signal|type|image|quantity)\W*[:=]\W*(?:{NO_TOPOGRAPHY.pattern})|"
+    rf"(?:data|signal|type|image|quantity|values)\W*(?:[:=]|are)\W*(?:{NO_TOPOGRAPHY.pattern})|"
     rf"^\W*(?:{NO_TOPOGRAPHY.pattern})\w*\s+(?:in\b|[\[(])",
     re.IGNORECASE,
 )
@@ -37,9 +37,7 @@ _SIDES = re.compile(
 _SPEED = re.compile(r"\s*/\s*(?:s|sec|min|h)\b")
 _PLAIN = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 _TOLERANCE = re.compile(r"(?:\+/-|±)\s*[\d.,]+\s*\w*")
-_LATERAL = re.compile(r"\b[xy]+\b|lateral|horizont|scan", re.IGNORECASE)  # of a unit that is not the heights'
 _COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*(?!point|pixel)[^\W\d_])")
-_OF_POINTS = re.compile(r"point|pixel|row|line|punkt|zeile|ligne|righe|punti|fila|punto", re.IGNORECASE)
 _CLOSE, _WIDEST = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with their rounding
 _MAX_QUOTED = 3  # lines in a question
 
@@ -118,8 +116,7 @@ def says_another_unit(channel: Channel, request: Request, lengths_used: Sequence
 
 def _matters(text: str) -> set[str]:
     """Return what a line may concern; `elsewhere`: the lens, the tip, the specimen or the like."""
-    matters = {matter for matter, says in _SAYS.items() if says.search(text)}
-    return matters | ({"elsewhere"} if CAMERA.search(text) else set())
+    return {matter for matter, says in _SAYS.items() if says.search(text)}
 
 
 def sources(file: MeasuredFile, channel: Channel, request: Request) -> dict[str, str]:
@@ -193,25 +190,25 @@ def lines_not_used(
         if values and "marker" in matters and (count := int(np.sum(finite == values[-1]))):
             points = f"{'is' if count == 1 else 'are'} {counted_noun(count, 'point')} with that height"
             check = f"and there {points}: if missing, give missing_value"
-        elif ("turned" in matters or _NO_HEIGHTS.search(text)) and not _DENIED.search(text):
-            check = "which is not used: check first_row, the sign, and whether these are heights"
         elif is_integer and (is_factor or "fraction" in matters or (strange and "step" not in matters)):
             raise InputFileError(
                 f"{where}, and all heights are whole numbers, as counts are: state it as 'Z factor', with "
                 f"the unit of the products{unless}",
                 keys=["ignore_lines"],
             )
+        elif ("turned" in matters or _NO_HEIGHTS.search(text)) and not _DENIED.search(text):
+            check = "which is not used: check first_row, the sign, and whether these are heights"
         elif stated_above and (strange or strange_points) and "step" in matters:
             raise InputFileError(
                 f"{where}, which does not agree with steps of {quantity(dx, 'm')} and {quantity(dy, 'm')}: "
                 f"give dx, dy and unit{unless}",
                 keys=["dx", "dy", "unit", "ignore_lines"],
             )
-        elif "pixels" in matters and any(value != 1 for value in values):
+        elif "pixels" in matters and values != [1] and not _DENIED.search(text):
             check = "which is not used: check the steps dx and dy"
-        elif (stated_above and (strange or strange_points)) or (strange_points and _OF_POINTS.search(text)):
+        elif (stated_above and (strange or strange_points)) or (strange_points and "points" in matters):
             check = "which is not used: check the steps dx and dy, and the units"
-        elif not _LATERAL.search(text) and any(
+        elif "lateral" not in matters and any(
             length.bare and metres(length.unit) != height_factor and not length.agrees(lengths_used)
             for length in lengths
         ):

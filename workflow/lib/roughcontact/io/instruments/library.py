@@ -19,12 +19,13 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
-from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, as_heights, scattered, unreadable
+from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, as_heights, unreadable
 from roughcontact.io.guards import brief, check_points
 from roughcontact.io.instruments import containers
 from roughcontact.io.instruments.rules import INVERTED, RULES, Header, Rules
 from roughcontact.io.interface import Reader, read_head
 from roughcontact.io.metadata import instrument_metadata
+from roughcontact.io.positions import scattered
 from roughcontact.io.text.lines import looks_like_text
 from roughcontact.io.units import is_length
 from roughcontact.io.vocabulary import marks, rows_of

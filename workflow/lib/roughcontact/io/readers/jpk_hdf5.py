@@ -23,13 +23,6 @@ _SCALE = "net-encoder.scaling."
 _GRID = "position-pattern.grid."
 _HEIGHTS = ("measuredHeight", "height", "capacitiveSensorHeight")  # the measured one first
 _TURNED = "the scan is turned in its file (theta): x and y are those of the scan"
-_INSTRUMENT = {
-    "name": "description.instrument",
-    "probe": "environment.cantilever-calibration-info.cantilever-name",
-    "acquisition_time": "start-time",
-    "software": "description.source-software",
-    "comment": "description.comment",
-}
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -55,8 +48,8 @@ def read(path: Path) -> MeasuredFile:
         channels = [channel for group in groups for channel in _frames(group, several, path)]
         if not channels:
             raise InputFileError("this JPK file holds no map")
-        metadata = {key: _stated(measurements[0], name) for key, name in _INSTRUMENT.items()}
-    instrument = instrument_metadata({"kind": instrument_kinds.PROBE.name, "vendor": "JPK", **metadata})
+        facts = {"kind": instrument_kinds.PROBE.name, "vendor": "JPK"}
+        instrument = instrument_metadata(facts, measurements[0].attrs)
     size = hdf5.stated_size(path)
     return MeasuredFile("JPK (HDF5)", channels, "bottom", instrument, required_size=size)
 

@@ -19,7 +19,6 @@ from roughcontact.io.channels import (
     Channel,
     MeasuredFile,
     as_heights,
-    channel_on_grid,
     counted_channels,
     oversized,
     unreadable,
@@ -27,6 +26,7 @@ from roughcontact.io.channels import (
 from roughcontact.io.guards import MAX_POINTS, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
 from roughcontact.io.metadata import instrument_metadata
+from roughcontact.io.positions import channel_on_grid
 from roughcontact.io.seal import check_seal
 from roughcontact.io.units import same_length
 

@@ -14,28 +14,19 @@ import numpy as np
 
 from roughcontact.arguments.quantities import counted_noun
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import (
-    MIN_MARKER,
-    NO_TOPOGRAPHY,
-    Channel,
-    MeasuredFile,
-    UnevenPositionsError,
-    even_step,
-    rounded_step,
-    scattered,
-    unreadable,
-)
+from roughcontact.io.channels import MIN_MARKER, NO_TOPOGRAPHY, Channel, MeasuredFile, unreadable
 from roughcontact.io.guards import listed
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import LABELS, instrument_metadata
+from roughcontact.io.positions import UnevenPositionsError, even_step, rounded_step, scattered
 from roughcontact.io.sources import parse_lengths
 from roughcontact.io.text.axes import are_points, begins_anew, find_axes, form_a_grid, uneven, wrapped
 from roughcontact.io.text.columns import Column, are_map_columns, headed, layout, miscounted, unit_of_heights
 from roughcontact.io.text.doubts import refuse_lost_row, thousands
 from roughcontact.io.text.header import LENGTHS, Stated, Statement, contradiction, disagreeing, statements
-from roughcontact.io.text.lines import looks_like_text
+from roughcontact.io.text.lines import looks_like_text, read_text
 from roughcontact.io.text.point_grid import points_on_grid
-from roughcontact.io.text.table import Dialect, Rows, Table, left_out, parse_table, read_tables
+from roughcontact.io.text.table import Dialect, Rows, Table, left_out, parse_table, split_text
 from roughcontact.io.text.traces import are_traces, runs, turn
 from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import pattern, words
@@ -77,8 +68,13 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a text file as a matrix, a list of points or a profile, by its content; both readings: refused."""
+    return parsed(read_text(path))
+
+
+def parsed(content: str) -> MeasuredFile:
+    """Return what a text holds."""
     # all tables before any: whether a second one is a channel or a mistake shows only beside the first
-    tables, counts, dialect, notes = read_tables(path)
+    tables, counts, dialect, notes = split_text(content)
     texts: list[_Text] = []
     files: list[MeasuredFile] = []
     for table in tables:

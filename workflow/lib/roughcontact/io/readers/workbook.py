@@ -1,13 +1,13 @@
 """Excel workbooks of one sheet: its table, read as that of a text would be."""
 
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.guards import ARCHIVE_ERRORS, MAX_POINTS, check_points, refusing
 from roughcontact.io.instruments.containers import list_sheets
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.readers import text
+from roughcontact.io.text.lines import plain
 
 _MITUTOYO = "DATA"  # sheet of Mitutoyo's workbooks, which have a reader of their own
 
@@ -39,11 +39,7 @@ def read(path: Path) -> MeasuredFile:
             line = "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in row)
             if line or not lines or lines[-1]:  # a cell far below is no million of lines
                 lines.append(line)
-    # the reader of texts wants a path; a table of a workbook is one of a text in every other respect
-    with TemporaryDirectory() as folder:
-        table = Path(folder, "table.txt")
-        table.write_text("\n".join([*lines, ""]), encoding="utf-8-sig")
-        file = text.read(table)
+    file = text.parsed(plain("\n".join([*lines, ""])))
     file.format = f"Excel workbook ({file.format})"
     return file
 

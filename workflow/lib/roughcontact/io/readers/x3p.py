@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from roughcontact.io import instrument_kinds
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights, channel_on_grid, scattered, unreadable
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, unreadable
 from roughcontact.io.guards import brief, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
+from roughcontact.io.positions import channel_on_grid, scattered
 
 _INSTRUMENT_KINDS = {"NonContacting": instrument_kinds.OPTICAL, "Contacting": instrument_kinds.STYLUS}
 

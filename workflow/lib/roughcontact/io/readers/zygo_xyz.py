@@ -13,14 +13,14 @@ from roughcontact.io.channels import Channel, MeasuredFile
 from roughcontact.io.guards import refusing
 from roughcontact.io.instrument_kinds import OPTICAL
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
-from roughcontact.io.text.lines import read_lines
+from roughcontact.io.text.lines import read_text
 
 _MARK = b"Zygo XYZ Data File - Format 1"
 
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one map."""
-    lines = [line.strip() for line in read_lines(path)]
+    lines = [line.strip() for line in read_text(path).splitlines()]
     marks = [number for number, line in enumerate(lines) if line == "#"]
     with refusing("looks like a Zygo XYZ data file, but is damaged"):
         nx, ny = map(int, lines[3].split()[2:4])

@@ -72,7 +72,7 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
 def miscounted(line: str, count: int, delimiter: str | None) -> int:
     """Return how many columns a line names, where the table below it has another `count`; or 0."""
     has_delimiter = delimiter is not None and delimiter in line
-    if len(line) > _MAX_LINE_LENGTH:  # no headings; to try all widths would never end
+    if len(line) > _MAX_LINE_LENGTH or re.search(r"\d[.,]\d", line):  # to try all widths would never end
         return 0
     max_width = len(line.strip(" \r\n").split(delimiter if has_delimiter else None))
     for width in range(2, max_width + 1):
@@ -124,7 +124,7 @@ def are_map_columns(columns: Sequence[Column]) -> bool:
 
 def unit_of_heights(line: str) -> str | None:
     """Return the unit in a heading above a matrix, as ``Height (nm)``; None for any other line."""
-    text = line.strip(' \r\n\t"#%')
+    text = line.strip(' \r\n\t"#%:')
     column = _column(text) if _HEADING.fullmatch(text) else Column("", None, "")
     return column.unit if column.role == "z" and is_length(column.unit) else None
 

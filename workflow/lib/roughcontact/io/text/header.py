@@ -11,7 +11,7 @@ from itertools import chain, combinations, islice
 from typing import Any, NamedTuple
 
 from roughcontact.io.units import is_length, metres, same_length
-from roughcontact.io.vocabulary import meanings, words
+from roughcontact.io.vocabulary import meanings, pattern, words
 
 _MAX_LINE_LENGTH = 4096  # characters; longer lines contain no metadata
 _MAX_LINES = 100_000  # lines
@@ -56,9 +56,8 @@ _BETWEEN_SIDES = re.compile(
     r"(?<=[^\W\d])\s+(?=\d)"
 )
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
-_PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|pix|px|point|pt|sample)s?$", re.IGNORECASE)
-# its pixels, or steps, are not the map's
-CAMERA = re.compile(r"(?=.*pixel).*\b(?:camera|sensor|detector|ccd)\b|.*\b(?:motor|moteur)\b", re.IGNORECASE)
+_PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:p[ií]xel|pix|px|point|pt|sample)s?$", re.IGNORECASE)
+_CAMERA = pattern("aside", "camera")
 _HEIGHT_WORDS = "|".join(words("header")["height"] + words("part")["height"])
 _HEIGHT_WORD = re.compile(rf"\W*(?:{_HEIGHT_WORDS})\b", re.IGNORECASE)
 _LONGEST = 60  # characters of a line that a message shows
@@ -116,8 +115,9 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
     by_meaning = Stated()
     for number, line in enumerate(islice(lines, _MAX_LINES), start=start):
         text = line.strip().lstrip("#%;!\\*/ \t").strip()
-        if not text or len(line) > _MAX_LINE_LENGTH or CAMERA.match(text):
+        if not text or len(line) > _MAX_LINE_LENGTH or _CAMERA.search(text):
             continue
+        text = re.sub(r"\b(?:d?x\s*=\s*d?y)\s*(?==)", "step ", text)  # "dx = dy = 2 µm"
         if len(text) > _MAX_PHRASE:
             text = re.sub(r"(\s)\s+", r"\1", text)
         pieces = _PIECES.split(text) if len(text) < _MAX_PHRASE else [text]

@@ -49,10 +49,14 @@ def _unmarked_utf16(head: bytes) -> str | None:
     return None
 
 
-def read_lines(path: Path) -> list[str]:
-    """Return the lines of a text file, with plain signs for those of typography and East Asian keyboards."""
-    text = _decode(path.read_bytes()).removesuffix(_DOS_END.decode()).translate(_PLAIN_SIGNS)
-    return _MICRO.sub("µ", text).splitlines()
+def read_text(path: Path) -> str:
+    """Return the text of a file, with plain signs."""
+    return plain(_decode(path.read_bytes()).removesuffix(_DOS_END.decode()))
+
+
+def plain(text: str) -> str:
+    """Return a text with plain signs for those of typography and East Asian keyboards."""
+    return _MICRO.sub("µ", text.translate(_PLAIN_SIGNS))
 
 
 def _decode(data: bytes) -> str:

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import UnevenPositionsError, even_step
 from roughcontact.io.guards import check_points
+from roughcontact.io.positions import UnevenPositionsError, even_step
 
 
 @np.errstate(all="ignore")  # infinite positions form no grid

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import partial
 from itertools import chain, islice, takewhile, zip_longest
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +17,6 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.guards import brief, check_count, check_points
 from roughcontact.io.text.columns import is_heading
 from roughcontact.io.text.header import statements
-from roughcontact.io.text.lines import read_lines
 from roughcontact.io.text.missing import is_missing, is_spoken, joined
 from roughcontact.io.units import is_length
 from roughcontact.io.vocabulary import meanings
@@ -105,15 +103,15 @@ class Rows(NamedTuple):
         return next(rows, (self.lines[0], self.texts[0]))
 
 
-def read_tables(path: Path) -> tuple[list[Rows], list[int], Dialect, list[str]]:
+def split_text(text: str) -> tuple[list[Rows], list[int], Dialect, list[str]]:
     """Return the tables of a text, the numbers of points above the first, the dialect, and notes."""
-    header, body = _unquoted(*split_header(read_lines(path)))
+    header, body = _unquoted(*split_header(text.splitlines()))
     body, footer, dialect = split_footer(body)
     header, body, remarks = strip_remarks(header, body, dialect)
     last_line = len(header) + len(body)
     notes = [*_left_out_below(footer, last_line + 1), *remarks]
     if not footer:
-        notes += _cut_number(body, dialect.delimiter, path, last_line)
+        notes += _cut_number(body, dialect.delimiter, text, last_line)
     if empty := sum(len([*takewhile(_is_empty_row, reversed(lines))]) for lines in (header, footer)):
         notes.append(left_out(empty, "line"))
     counts, rows = _counted(body, dialect.delimiter)
@@ -127,15 +125,13 @@ def left_out(count: int, lines: str) -> str:
     return f"{empty}; write NaN in those that are part of the map"
 
 
-def _cut_number(body: list[str], delimiter: str | None, path: Path, last_line: int) -> list[str]:
+def _cut_number(body: list[str], delimiter: str | None, text: str, last_line: int) -> list[str]:
     """Return a note where a file ends in a number shorter than all others, without the end of a line.
 
     It is refused where all others have as many decimals and digits of the exponent.
     """
-    with path.open("rb") as stream:
-        stream.seek(max(0, path.stat().st_size - 2))
-        if set(stream.read()) & set(b"\n\r"):
-            return []
+    if {*text[-2:]} & {*"\n\r"}:
+        return []
     nonempty = filter(None, map(str.strip, body[-_LAST_LINES:]))
     *cells, last = (line.split(delimiter)[-1].strip() for line in nonempty)
     peers = [cell for cell in cells if cell and not is_missing(cell)]
