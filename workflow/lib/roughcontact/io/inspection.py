@@ -143,9 +143,8 @@ def _descriptions(channels: list[Channel], path: Path, *, chosen: str | None) ->
     for channel in channels:
         points = prod(channel.shape)
         total += points
-        yield _described(
-            channel, path, read=channel.name == chosen or (points <= _LARGE and total <= MAX_POINTS)
-        )
+        is_small = points <= _LARGE and total <= MAX_POINTS
+        yield _described(channel, path, read=is_small or channel.name == chosen)
 
 
 def _described(channel: Channel, path: Path, *, read: bool) -> dict:

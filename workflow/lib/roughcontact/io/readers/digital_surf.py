@@ -157,8 +157,7 @@ def _instrument(header: np.void) -> dict[str, Any]:
     metadata = {"vendor": "Digital Surf", "name": _text(header["instrument_name"])}
     metadata["sample"] = _text(header["object_name"])
     with suppress(ValueError):  # no date
-        year, month, day, hour, minute, seconds = map(int, header["time"][::-1])
-        metadata["acquisition_time"] = datetime.datetime(year, month, day, hour, minute, seconds).isoformat()
+        metadata["acquisition_time"] = datetime.datetime(*header["time"][::-1].tolist()).isoformat()
     return instrument_metadata(metadata)
 
 
