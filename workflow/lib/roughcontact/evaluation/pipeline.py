@@ -33,6 +33,7 @@ from roughcontact.surface.window.band import lateral_period_limit
 from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.improvement import add_overview_line
+from roughcontact.uncertainty.sample import constrictions_in_grooves
 
 _OF_WINDOW = (  # what a group of maps has in common, how rows were aligned, where a summit stands out
     *("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles"),
@@ -133,6 +134,7 @@ def solve_and_evaluate(
     (`LoadByLoad.write_maps`).
     """
     count, has_budget = statistics_of_settings(window, settings), bool(settings["uncertainty"]["sources"])
+    grooves = constrictions_in_grooves(window) if has_budget else []
     statistics: dict[float, xr.Dataset] = {}
     inputs: dict[float, xr.Dataset] = {}
 
@@ -143,7 +145,7 @@ def solve_and_evaluate(
         load = float(load_dataset["mean_pressure"][0])
         statistics[load] = count(load_dataset)
         if has_budget:
-            inputs[load] = budget_inputs(load_dataset, statistics[load])
+            inputs[load] = budget_inputs(load_dataset, statistics[load], grooves)
         return xr.Dataset()  # nothing of the solution is kept but its numbers
 
     solution = solve_contact(window, **solver, reduce=take)

@@ -24,7 +24,7 @@ from roughcontact.uncertainty.inputs import AMPLIFICATIONS, HARDNESS, INPUTS, in
 from roughcontact.uncertainty.instrument import add_correction_source, instrument_components
 from roughcontact.uncertainty.intervals import Octave, add_pressure, area_for_the_load, interval_columns
 from roughcontact.uncertainty.rejected import rejected_load_share
-from roughcontact.uncertainty.sample import constrictions_in_grooves, sample_attributes
+from roughcontact.uncertainty.sample import sample_attributes
 from roughcontact.uncertainty.scales import AREA, PRESSURE, to_scale
 from roughcontact.uncertainty.solver import solver_components
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
@@ -158,8 +158,8 @@ def error_budget(
     if "window" in sources:
         scatter = scatter_of(result, levelled, arguments=settings["window"], number=windows)
         middle |= {name: middle[name] + offset for name, offset in scatter.shift.items()}
-        grooves = (key for key in constrictions_in_grooves(window) if key in middle)
-        scatter = scatter._replace(open_ended={key: solved[f"{key}_half_way"].values > 0 for key in grooves})
+        half_ways = {name: f"{name}_half_way" for name in middle if f"{name}_half_way" in solved}
+        scatter = scatter._replace(open_ended={key: solved[half_ways[key]].values > 0 for key in half_ways})
         attrs = sample_attributes(scatter, levelled)
         columns |= _columns_of_members(result, scatter)
     instrument = stated_instrument(levelled, settings.get("instrument"))

@@ -1,5 +1,7 @@
 """What the error budget takes from a solution, so that its fields need not be kept."""
 
+from collections.abc import Collection
+
 import numpy as np
 import xarray as xr
 
@@ -7,16 +9,19 @@ from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.sealing.percolation import half_way_levels
 from roughcontact.uncertainty.headline import iterate_fields
 from roughcontact.uncertainty.inputs import STIFFNESS
-from roughcontact.uncertainty.scales import ANSWERS, CONDUCTANCE, CONSTRICTIONS, QUANTITIES
+from roughcontact.uncertainty.sample import constrictions_in_grooves
+from roughcontact.uncertainty.scales import ANSWERS, CONDUCTANCE, QUANTITIES
 from roughcontact.uncertainty.solver import solver_uncertainty
 
 
-def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> xr.Dataset:
+def budget_inputs(
+    contact: xr.Dataset, statistics: xr.Dataset | None = None, grooves: Collection[str] | None = None
+) -> xr.Dataset:
     """Return what the error budget takes from a solution with its fields, along `load`.
 
     Headline quantities and answers, `{name}_uncertainty` of the solver, `index_of_the_peak` (row by row),
-    `loading_stiffness`, `{name}_half_way`, the constrictions (m) of gap paths half as long as the map, and
-    the texture aspect ratio `Str` of the map.
+    `loading_stiffness`, the texture aspect ratio `Str` of the map, and `{name}_half_way`, the constrictions
+    (m) of gap paths half as long as the map, of the `constrictions_in_grooves`, here `grooves`.
     """
     if statistics is None:
         statistics = contact_statistics(contact, flow="never", stress="never")
@@ -27,8 +32,12 @@ def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> 
     widths = solver_uncertainty(contact, energy=statistics["elastic_energy"].values)
     plain |= {f"{name}_uncertainty": width for name, width in widths.items()}
     plain["index_of_the_peak"] = np.array([pressure.argmax() for pressure, _ in iterate_fields(contact)])
-    levels = [half_way_levels(np.where(pressure > 0, 0.0, gap)) for pressure, gap in iterate_fields(contact)]
-    plain |= {f"{name}_half_way": np.array([level[name] for level in levels]) for name in CONSTRICTIONS}
+    if grooves is None:
+        grooves = constrictions_in_grooves(contact["height"])
+    if grooves:
+        open_gaps = (np.where(pressure > 0, 0.0, gap) for pressure, gap in iterate_fields(contact))
+        levels = [half_way_levels(gap) for gap in open_gaps]
+        plain |= {f"{name}_half_way": np.array([level[name] for level in levels]) for name in grooves}
     inputs = contact[["contact_modulus", "mean_pressure"]]
     inputs = inputs.assign({name: ("load", values) for name, values in plain.items()})
     return inputs.assign(Str=((), float(statistics["Str"])))
