@@ -102,6 +102,10 @@ class KindFacts:
         """Return whether the sections `form` and `contact` of settings, checked or not, state this kind."""
         return contact.get("boundary") == self.boundary
 
+    def adds_form(self, attrs: Mapping[str, Any]) -> bool:
+        """Return whether a form was added to the map with these attributes."""
+        return False
+
     def arguments(self, pressure: float, area: float) -> dict[str, Any]:
         """Return the arguments of `solve_contact` for a mean pressure (Pa) on the area of a map (m2)."""
         return {"boundary": self.boundary, self.load: pressure * self.load_over_pressure(area)}
@@ -165,6 +169,10 @@ class KindFacts:
 @dataclass(frozen=True)
 class FiniteBodyFacts(KindFacts):
     """The facts of a body of finite size, which has no neighbours and stands under a force."""
+
+    def adds_form(self, attrs: Mapping[str, Any]) -> bool:
+        """Return whether the map is the roughness on a ball or an ellipsoid."""
+        return "form_radius_x" in attrs
 
     def mistakes_in_loads(self, keys: Collection[str], where: str) -> Iterator[tuple[str, str]]:
         """Yield that the force is missing."""

@@ -33,12 +33,7 @@ def linear_response(
 
 
 def certified_response(
-    contact: np.ndarray,
-    spacing: tuple[float, float],
-    elasticity: Elasticity,
-    tolerance: float = 1e-2,
-    *,
-    threads: int = 1,
+    contact: np.ndarray, spacing: tuple[float, float], elasticity: Elasticity, tolerance: float = 1e-2
 ) -> tuple[float, float]:
     """Return the linear response (m/Pa) of a contact set, and a proven bound of its relative error.
 
@@ -46,7 +41,7 @@ def certified_response(
     by ||e||_G^2 = <e, G x - c>, with any constant c, at most ||r||_{G^-1}^2 of any field r that is G x - c on
     the contact. r is its interpolation, from a fresh application of G; the rounding is added.
     """
-    return _response(contact, spacing, elasticity, tolerance, certify=True, threads=threads)
+    return _response(contact, spacing, elasticity, tolerance, certify=True)
 
 
 def _response(
@@ -57,7 +52,7 @@ def _response(
     *,
     yielded: np.ndarray | None = None,
     certify: bool = False,
-    threads: int,
+    threads: int = 1,
 ) -> tuple[float, float]:
     """Return a linear response (m/Pa), and the bound of its relative error, NaN where it is not certified."""
     touching = np.asarray(contact, dtype=bool)

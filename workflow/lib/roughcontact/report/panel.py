@@ -23,7 +23,7 @@ from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks, outcome
-from roughcontact.statistics.kinds import smooth_contact
+from roughcontact.statistics.kinds import numbers_of_kind
 from roughcontact.surface.faces.placing import frame_of_place, place_in_words, separate_overviews
 
 _TITLES = {  # of the maps by the number of measured faces
@@ -203,7 +203,7 @@ def _fields(
         for load in loads:
             pressure, gap = maps(load)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
-            smooth = smooth_contact(window, numbers, load)
+            smooth = numbers_of_kind(window.attrs).smooth_contact(window, numbers, load)
             chart = map_plots.pressure_map(
                 window, pressure, highest=highest, unit=of_pressure, ellipse=smooth
             )

@@ -14,13 +14,12 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import ANSWERS
-from roughcontact.arguments.finite_body import form_radii
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.measurement import Instrument, json_attributes
 from roughcontact.arguments.variables import describe, values_at_load
 from roughcontact.statistics import contact_checks, instrument_checks, map_checks, outcome
 from roughcontact.statistics.contact_checks import CONTACT_POINTS, OVERCOUNT, overcount
-from roughcontact.statistics.kinds import OMITTED_CHECKS
+from roughcontact.statistics.kinds import numbers_of_kind
 from roughcontact.statistics.local_scale import local_scale
 from roughcontact.statistics.map_checks import FILLED_IN_CONTACT, REJECTED_LOAD, Attributes
 from roughcontact.statistics.outcome import Check, CheckName
@@ -101,7 +100,7 @@ def surface_checks(
         CheckName.PIXEL_SIZE: instrument_checks.pixel_size(height, window),
         CheckName.READING: map_checks.reading(height, levelled),
     }
-    omitted = OMITTED_CHECKS.get(facts_of(statistics.attrs).name, ())
+    omitted = numbers_of_kind(statistics.attrs).omitted_checks
     return [
         _noted(check._replace(name=name, answers=_CONCERNS.get(name, check.answers)), statistics, window)
         for name, check in checks.items()
@@ -114,7 +113,7 @@ def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
     limits: dict[str, Callable[[Attributes], bool]] = {
         CheckName.NOISE: instrument_checks.is_mostly_noise,
         CheckName.QUANTISATION: instrument_checks.is_too_coarse,
-        CheckName.FORM: lambda window: bool(form_radii(window)),
+        CheckName.FORM: lambda window: facts_of(window).adds_form(window),
     }
     # a limit beyond which the interval does not hold either
     if check.outcome != outcome.REVIEW or (check.name in limits and limits[check.name](window)):

@@ -11,7 +11,6 @@ from roughcontact.arguments.answers import ENDS, OPPOSITE_ENDS
 from roughcontact.arguments.bodies import check_bodies
 from roughcontact.arguments.checking import check_choice, check_keys, check_solution, warn_of_map
 from roughcontact.arguments.choices import Extra
-from roughcontact.arguments.finite_body import recover_roughness
 from roughcontact.arguments.kinds import KindFacts, facts_of
 from roughcontact.arguments.maps import areal_only, spacing
 from roughcontact.arguments.named_materials import named_bodies
@@ -456,7 +455,7 @@ def surface_numbers(
     (['density', 'height_std', 'mean_height', 'mean_radius'], True)
     """
     # of a finite body the roughness alone is described, not its form
-    roughness = recover_roughness(height)
+    roughness = numbers_of_kind(height.attrs).roughness(height)
     power = wave_power(roughness.values)
     parameters = surface_statistics(roughness, power)
     elasticity = Elasticity(contact_modulus, medium=medium)
@@ -680,7 +679,7 @@ def _one_load(
         "gap_density": gap_density,
         **bearing,
     }
-    return columns | numbers_of_kind(columns, contact, load)
+    return columns | numbers_of_kind(contact.attrs).of_load(columns, contact, load)
 
 
 def _stiffness(

@@ -1,30 +1,44 @@
 """What the numbers of each kind of problem are beside those of a periodic map, and which checks it has."""
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.finite_body import recover_roughness
 from roughcontact.arguments.kinds import FINITE_BODY, KIND_FACTS, PERIODIC_MAP, KindFacts, facts_of
 from roughcontact.arguments.quantities import pressure_unit, quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.statistics.finite_body import finite_body_columns, hertz_contact
 from roughcontact.statistics.outcome import CheckName
 
-# checks of what a body whose form and edges are meant does not have
-OMITTED_CHECKS: Mapping[str, set[CheckName]] = {
-    FINITE_BODY.name: {
-        *(CheckName.PERIODIC_WINDOW, CheckName.WINDOW, CheckName.LONGEST_WAVE, CheckName.SAMPLE),
-        *(CheckName.LOAD_RANGE, CheckName.SLOPES, CheckName.STEEP_PLACES),
-    }
+
+class KindNumbers(NamedTuple):
+    """What the numbers of a kind of problem are beside those of a periodic map, by default nothing."""
+
+    roughness: Callable[[xr.DataArray], xr.DataArray] = lambda height: height  # without the form of the body
+    smooth_contact: Callable[..., dict[str, float]] = lambda window, numbers, load: {}  # an ellipse
+    of_load: Callable[..., dict[str, Any]] = lambda columns, contact, load: {}  # which differ, or are added
+    omitted_checks: Collection[CheckName] = ()
+
+
+_OF_KINDS: Mapping[str, KindNumbers] = {
+    FINITE_BODY.name: KindNumbers(
+        recover_roughness,
+        hertz_contact,
+        finite_body_columns,
+        {  # of what a body whose form and edges are meant does not have
+            *(CheckName.PERIODIC_WINDOW, CheckName.WINDOW, CheckName.LONGEST_WAVE, CheckName.SAMPLE),
+            *(CheckName.LOAD_RANGE, CheckName.SLOPES, CheckName.STEEP_PLACES),
+        },
+    )
 }
-# (columns, contact, load) -> the numbers of that load which differ, or are added
-_NUMBERS: Mapping[str, Callable[..., dict[str, Any]]] = {FINITE_BODY.name: finite_body_columns}
 
 
-# (window, numbers, load) -> the ellipse in which smooth bodies of this kind would touch
-_SMOOTH: Mapping[str, Callable[..., dict[str, float]]] = {FINITE_BODY.name: hertz_contact}
+def numbers_of_kind(attrs: Mapping[str, Any]) -> KindNumbers:
+    """Return what is of the kind of problem that the attributes of a map or a result name."""
+    return _OF_KINDS.get(facts_of(attrs).name, KindNumbers())
 
 
 def facts_of_numbers(numbers: Numbers) -> KindFacts:
@@ -62,15 +76,3 @@ def load_in_words(pressure: float, numbers: Numbers) -> tuple[str, str]:
     load = pressure * np.asarray(numbers[kind.load]).flat[0].item() / mean
     unit = pressure_unit(float(numbers["contact_modulus"]))
     return kind.load_in_words, unit.text(load) if kind.load_unit == "Pa" else quantity(load, kind.load_unit)
-
-
-def smooth_contact(window: xr.DataArray, numbers: xr.Dataset, load: int) -> dict[str, float]:
-    """Return the ellipse in which the bodies would touch without their roughness: mostly nothing."""
-    name = facts_of(window.attrs).name
-    return _SMOOTH[name](window, numbers, load) if name in _SMOOTH else {}
-
-
-def numbers_of_kind(columns: Mapping[str, Any], contact: xr.Dataset, load: int) -> dict[str, Any]:
-    """Return the numbers of one load in which a contact differs from that of a periodic map: mostly none."""
-    name = facts_of(contact.attrs).name
-    return _NUMBERS[name](columns, contact, load) if name in _NUMBERS else {}

@@ -10,7 +10,6 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.checking import MAX_GRADIENT
-from roughcontact.arguments.finite_body import form_radii
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.lays import lay_facts
 from roughcontact.arguments.measurement import Measurement, json_attribute
@@ -137,8 +136,9 @@ def form(attrs: Attributes, window: Attributes) -> Check | None:
     >>> form({"form": "plane"}, {"form_share": 0.9}).outcome
     'review'
     """
-    share, is_added = window.get("form_share", 0.0), bool(form_radii(window))
-    if facts_of(window).form_is_meant and not is_added:
+    share, kind = window.get("form_share", 0.0), facts_of(window)
+    is_added = kind.adds_form(window)
+    if kind.form_is_meant and not is_added:
         return None
     text = (
         f"A bow (second-order polynomial) makes up {percent(share)} of the mean square height of the window"

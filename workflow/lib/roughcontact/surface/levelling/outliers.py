@@ -24,16 +24,13 @@ _GATHER_CHUNK = 20_000  # neighbourhoods gathered at a time
 _PLANE_POINTS = 20_000  # sufficient for the tilt of a map: 250 000 give the same outliers
 
 
-def find_outliers(
-    values: np.ndarray, *, threshold: float, bumps: bool = False
-) -> tuple[np.ndarray, dict[str, int]]:
+def find_outliers(values: np.ndarray, *, threshold: float) -> tuple[np.ndarray, dict[str, int]]:
     """Return the mask of spikes, sentinels and dead lines in a map (ny, nx; m), and their number by kind.
 
     * `spike`: a group of up to 12 points, all too high or all too low, that deviate from the median of 5 x 5
       points (5 of a profile) by more than `threshold` standard deviations, both of this difference over the
       map (Davies and Gather 1993, J. Am. Stat. Assoc. 88, 782) and of the ring of 11 x 11 points (56); or by
-      ten times as much. Bumps, whose flanks extend over a few points, carry load and are kept unless `bumps`
-      is set.
+      ten times as much. Bumps, whose flanks extend over a few points, carry load and are kept.
     * `sentinel`: the lowest or highest value, in at most a third of the points, farther from all others than
       their range.
     * `dead_line`: rows or columns of one single value among others that vary, farther from their neighbours
@@ -45,7 +42,7 @@ def find_outliers(
     for _ in range(_MAX_ROUNDS):
         previous_counts = counts.copy()
         for outlier_kind, finder in (
-            ("spike", lambda v, rejections: _spikes(v, rejections, threshold, bumps=bumps)),
+            ("spike", lambda v, rejections: _spikes(v, rejections, threshold)),
             ("sentinel", lambda v, rejections: _sentinels(_mask_rejected(v, rejections))),
             ("dead_line", lambda v, rejections: _dead_lines(_mask_rejected(v, rejections))),
         ):
@@ -125,7 +122,7 @@ def _median_distance(lines: np.ndarray, neighbours: np.ndarray) -> np.ndarray:
     return result
 
 
-def _spikes(values: np.ndarray, rejections: np.ndarray, threshold: float, *, bumps: bool) -> np.ndarray:
+def _spikes(values: np.ndarray, rejections: np.ndarray, threshold: float) -> np.ndarray:
     """Return the mask of points, alone or in small groups, that deviate from their surroundings."""
     from scipy import ndimage
 
@@ -162,8 +159,7 @@ def _spikes(values: np.ndarray, rejections: np.ndarray, threshold: float, *, bum
     for limit in (threshold, _EXTREME_FACTOR * threshold):
         smallest_deviation = max(limit * scale, floor)
         groups = _small_groups(deviation > smallest_deviation)
-        if not bumps:
-            groups = _drop_bumps(groups, deviation, field, missing, ring_half_widths)
+        groups = _drop_bumps(groups, deviation, field, missing, ring_half_widths)
         is_spike = groups > 0
         groups = _small_groups(deviation < -smallest_deviation)
         is_spike |= groups > 0
