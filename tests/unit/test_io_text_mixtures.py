@@ -132,9 +132,29 @@ REFUSED = [
 ]
 
 
+def dressed(text, how):
+    """Return a text whose rows of numbers are written as some programs do; its lines stay where they are."""
+
+    def written(line):
+        mark = "\t" if "\t" in line else ";"
+        cells_of_line = line.split(mark)
+        if len(cells_of_line) == 1 or not re.fullmatch(r"(?:[-+\d.,;eE\s]|nan)+", line):
+            return line
+        return {
+            "plain": line,
+            "quoted": mark.join(f'"{cell}"' for cell in cells_of_line),
+            "apart": f" {mark} ".join(cells_of_line),
+            "closed": line + mark,
+            "decimal commas": line.replace(".", ","),
+        }[how]
+
+    return ("\n" if how == "plain" else "\r\n").join(map(written, text.split("\n")))
+
+
+@pytest.mark.parametrize("how", ["plain", "quoted", "apart", "closed", "decimal commas"])
 @pytest.mark.parametrize(("text", "words", "options"), REFUSED, ids=[words for _, words, _ in REFUSED])
-def test_what_may_be_several_things_or_contradicts_itself_is_refused(refused, text, words, options):
-    refused(text, words, **options)
+def test_what_may_be_several_things_or_contradicts_itself_is_refused(refused, text, words, options, how):
+    refused(dressed(text, how), words, **options)
 
 
 def test_a_title_names_no_columns(read):
@@ -261,7 +281,8 @@ def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, word
     ],
 )
 def test_statements_that_agree_are_used(read, lines):
-    holds_nm(read("\n".join([*lines, "Z unit: nm", ROWS])), ONE[::-1])
+    for how in ("plain", "quoted", "apart", "closed"):
+        holds_nm(read(dressed("\n".join([*lines, "Z unit: nm", ROWS]), how)), ONE[::-1])
 
 
 @pytest.mark.parametrize(
