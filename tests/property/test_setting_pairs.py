@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 from test_laws import LAWS, NO_NUMBER, OF_THE_SOLVER, Law, kind_of, same, swapped
 
-from roughcontact import SettingsError, height_map, self_affine_surface
+from roughcontact import SettingsError, height_map
 from roughcontact.arguments.answers import ALLOWED_VALUES
 from roughcontact.arguments.settings.models import Settings
 from roughcontact.arguments.settings.resolve import resolve
@@ -182,12 +183,11 @@ FURTHER_LAWS = {
 
 def rough(by, periods=1):
     """Return a periodic surface at every so many halves of the pitch, laid beside itself."""
-    fine = self_affine_surface(
+    fine = self_affine(
         [2 * points for points in SHAPE],
         [step / 2 for step in PITCH],
+        (6e-6, 24e-6),
         hurst=0.7,
-        shortest=6e-6,
-        longest=24e-6,
         rms_gradient=0.05,
         seed=3,
     )

@@ -5,6 +5,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from known_surfaces import self_affine
 from shared_data import DATA
 
 from roughcontact import HeightMapError, SettingsError, height_map, level, periodic_window, read_height_map
@@ -20,14 +21,8 @@ METHODS = get_args(WindowMethod)
 
 
 def cut_out(shape=(100, 130), pitch=(2e-6, 1e-6), seed=0):
-    large = synthetic.self_affine_surface(
-        (2 * shape[0] if shape[0] > 1 else 1, 2 * shape[1]),
-        pitch,
-        hurst=0.8,
-        shortest=8e-6,
-        longest=100e-6,
-        rms_height=1e-7,
-        seed=seed,
+    large = self_affine(
+        (2 * shape[0] if shape[0] > 1 else 1, 2 * shape[1]), pitch, (8e-6, 100e-6), rms_height=1e-7, seed=seed
     )
     return large.isel(y=slice(shape[0]), x=slice(shape[1]))
 
