@@ -274,6 +274,25 @@ def test_results_by_wave_are_those_of_the_same_waves_on_a_fine_grid(hurst):
             assert values_at_cutoff[name] == pytest.approx(value.values, rel=tolerance), (name, entry)
 
 
+def test_a_part_shows_what_short_waves_change_of_a_large_window(monkeypatch):
+    window = self_affine((320, 320), 1e-6, (4e-6, 32e-6), hurst=0.8, rms_gradient=0.1, seed=2)
+    pressures = loads(window, 0.05, 0.3)
+    solved = solve_contact(window, contact_modulus=MODULUS, mean_pressure=pressures, reduce=budget_inputs)
+    # the part lies around the highest pressure, which `solved` tells
+    result = result_of(window, pressures, solved, (AREA, GAP, PEAK))._replace(solved=solved)
+    whole = unresolved.magnification_curve(result)
+    monkeypatch.setattr(unresolved, "_LARGEST_GRID", 200**2)  # between the first entry and the second
+    monkeypatch.setattr(unresolved, "LARGEST_PART", 160**2)
+    by_part = unresolved.magnification_curve(result)
+    for name, tolerance in ((AREA, 0.02), (GAP, 0.005), (PEAK, 0.1), ("mean_contact_pressure", 0.02)):
+        of_part, of_whole = (curve[f"{name}_at_cutoff"][1] for curve in (by_part, whole))
+        assert of_part[:, 1] == pytest.approx(of_whole[:, 1], rel=tolerance), name
+        assert (of_part[:, 1] != of_whole[:, 1]).all()
+        assert (np.delete(of_part, 1, axis=1) == np.delete(of_whole, 1, axis=1)).all()
+    for name in ("cutoff_wavelength", "gradient_at_cutoff"):
+        assert by_part[name][1] == pytest.approx(whole[name][1], rel=0.01)
+
+
 def test_a_finer_spectrum_tells_the_true_gradient_and_a_profile_how_well_it_does():
     fine = self_affine((512, 512), 1e-6, (4e-6, 128e-6), hurst=0.6, rms_gradient=0.1, seed=5)
     coarse = unresolved.remove_shortest_waves(fine, 16e-6)
