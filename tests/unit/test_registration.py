@@ -6,6 +6,8 @@ import pytest
 from roughcontact import HeightMapError, height_map, self_affine_surface
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.surface.faces.registration import common_part
+from roughcontact.surface.levelling.level import level
+from roughcontact.surface.window.periodic_window import periodic_window
 
 PITCH = 1e-6
 SIDE = 128  # points
@@ -67,3 +69,22 @@ def test_grooves_are_taken_as_they_lie():
 def test_profiles_stand_for_their_surface_and_not_for_a_place():
     maps = {"new": measured(field(1))[:1], "worn": measured(field(2))[:1]}
     assert common_part(maps, {"worn": "new"}, "worn") is maps["worn"]
+
+
+def test_what_one_map_of_a_place_lacks_is_missing_in_all():
+    new, y, x = field(2), 9, 5
+    maps = {"new": measured(new), "worn": measured(new.clip(max=float(new.quantile(0.8))), y, x)}
+    maps["new"][20:24, 60:70] = np.nan
+    maps["worn"][:, :25] = np.nan  # an edge that is masked
+    windows = {}
+    for name, height in maps.items():
+        part = common_part(maps, {"worn": "new"}, name)
+        assert part.attrs["missing_points"] == int(part.isnull().sum())
+        windows[name] = periodic_window(level(part))
+    assert windows["new"].shape == windows["worn"].shape
+    for axis, shift in {"y": y, "x": x}.items():
+        apart = float(windows["new"][axis][0] - windows["worn"][axis][0]) / PITCH
+        assert apart == pytest.approx(shift, abs=0.01)
+    parts = [common_part(maps, {"worn": "new"}, name).isnull().values for name in maps]
+    assert (parts[0] == parts[1]).all()
+    assert "lacks" in " ".join(json_attribute(common_part(maps, {"worn": "new"}, "new").attrs, "ingest_facts"))

@@ -7,6 +7,8 @@ import roughcontact as rc
 from roughcontact import HeightMapError, self_affine_surface
 from roughcontact.surface.faces.placing import overview_with_place, recorded_place
 from roughcontact.uncertainty.calibration import overview_arms, table
+from roughcontact.uncertainty.combination import uncertainty_table
+from roughcontact.uncertainty.differences import compare_maps
 from roughcontact.uncertainty.ensemble import Result, solve_member
 from roughcontact.uncertainty.overview import field_ratios, transfers_of, window_of_place, windows_of_places
 from roughcontact.uncertainty.scales import AREA, GAP, to_scale
@@ -197,3 +199,42 @@ def test_a_body_of_finite_size_has_no_overview(field):
             force=1e-3,
             form={"radius": 1e-3},
         )
+
+
+def test_a_place_differs_from_itself_by_nothing_that_an_overview_shows(answers):
+    alone, both = answers
+    for pair in (answers, answers[::-1]):
+        compared, _ = compare_maps({("a", "b"): pair}, of_place=[("a", "b")])
+        table = compared["a", "b"].sel(quantity=[*NAMES, "mean_contact_pressure"])
+        assert table["ratio"].values == pytest.approx(1, abs=1e-6)
+        assert (table["ratio_lower"] <= 1).all() and (table["ratio_upper"] >= 1).all()
+    corrections = [
+        uncertainty_table(each).query("quantity == 'mean_gap'").set_index(["mean_pressure_Pa", "source"])
+        for each in answers
+    ]
+    of_pixels, of_places = (
+        [table["correction"].xs(source, level="source").values for table in corrections]
+        for source in ("discretisation", "window")
+    )
+    assert of_pixels[1] == pytest.approx(of_pixels[0], rel=1e-6)
+    assert (of_places[0] == 0).all()
+    shown = both["mean_gap"].values - alone["mean_gap"].values
+    assert of_places[1] == pytest.approx(shown, rel=1e-6)
+
+
+def test_the_gas_of_a_joint_follows_the_gap_that_an_overview_shows(field):
+    """Its interval holds the joints of all places of the field, solved on their own, in the mean."""
+    body = {"youngs_modulus": 1.5e9, "poissons_ratio": 0.3, "thermal_conductivity": 0.2}
+    settings = {
+        "contact": {"bodies": [body, body], "mean_pressure": [1e6, 3e6, 2e7]},
+        "statistics": {"flow": "never", "joint": {"gas_conductivity": 0.026, "temperature_jump": 0.37e-6}},
+    }
+    found = rc.evaluate(
+        field[PLACE], overview=field.coarsen(y=3, x=3).mean(), uncertainty=SOURCES, **settings
+    )
+    parts = [field[y : y + 96, x : x + 96] for y in (0, 96, 192) for x in (0, 96, 192)]
+    joints = [rc.evaluate(part, uncertainty={"sources": []}, **settings)["joint_conductance"] for part in parts]
+    truth = np.mean(joints, axis=0)
+    assert (found["joint_conductance_lower"].values < truth).all()
+    assert (truth < found["joint_conductance_upper"].values).all()
+    assert found["joint_conductance"].values == pytest.approx(truth, rel=0.05)

@@ -45,6 +45,7 @@ _OF_INTERVALS = {
     "map_upper": "upper end of the 95 % interval of the {}, of this map between its own borders",
     "next_lower": "lower end of the 95 % interval of the {} of the next map of this size",
     "next_upper": "upper end of the 95 % interval of the {} of the next map; none where nothing bounds it",
+    "alone": "{} of this map, without what its overview shows",
     "alone_lower": "lower end of the 95 % interval of the {}, of the surface without the overview",
     "alone_upper": "upper end of the 95 % interval of the {}, of the surface without the overview",
     "joint": "{} of a joint as large as the overview of the map",

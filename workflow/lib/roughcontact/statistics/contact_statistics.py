@@ -328,7 +328,10 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
         spots, gas = complete["thermal_resistance"], complete["gas_conductance"]
         with np.errstate(divide="ignore"):  # full contact without a film
             film = (1 / (complete["joint_conductance"] - gas) - spots * ratio) / correction
-            bounds["joint_conductance"] = 1 / (spots + film) + gas
+            if "mean_gap_alone" in complete:  # the gap that an overview shows holds other gas
+                jump = complete.attrs.get("joint_temperature_jump", 0.0)
+                gas = gas * (complete["mean_gap_alone"] + jump) / (complete["mean_gap"] + jump)
+            bounds |= {"gas_conductance": gas, "joint_conductance": 1 / (spots + film) + gas}
         bounds |= _ends_of_the_joint(complete.assign(bounds), film)
     return complete.assign(bounds)
 

@@ -31,7 +31,7 @@ _COMMENT = (
     "requested, not available from this map, or not bounded above by it"
 )
 _NAMES = (*scales.QUANTITIES, *scales.ANSWERS)
-_ENDINGS = ("uncertainty", "components", "estimate", "as_solved", "lower", "upper")
+_ENDINGS = ("uncertainty", "components", "estimate", "as_solved", "alone", "lower", "upper")
 # what `uncertainty_table` needs of a budget
 TABLE_VARIABLES = {"mean_pressure", *(f"{name}_{ending}" for name in _NAMES for ending in _ENDINGS)}
 
@@ -143,7 +143,7 @@ def columns_of_components(
 def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
     """Return the components of every interval of an `error_budget`: a row by quantity, load and source.
 
-    `evaluation_type` is A (statistical) or B, `correction` what `discretisation` added to the result; of
+    `evaluation_type` is A (statistical) or B, `correction` what its source added to the result; of
     `combined` the standard uncertainties are the root of the sum of squares (JCGM 100:2008, 5.1.2).
     Half-widths are quantiles of errors, or bounds, of 95 % (`coverage_factor` 1.96); a negative one-sided
     number moves its end towards the value.
@@ -167,14 +167,17 @@ def _rows(values: Mapping[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
     above = np.where(is_unbounded, np.inf, width_above / _NORMAL)
     for side in (below, above):
         side[:, -1] = np.sqrt(np.sum(np.where(present & ~is_total, side, 0.0) ** 2, axis=1))
-    correction = estimate - values.get(f"{name}_as_solved", estimate[:, 0])[:, None]
+    # what the overview shows of other places is not of the pixels
+    of_map = values.get(f"{name}_alone", estimate[:, 0])[:, None]
+    corrections = {"discretisation": of_map - values.get(f"{name}_as_solved", of_map[:, 0])[:, None]}
+    corrections["window"] = estimate - of_map
     columns = {
         "quantity": np.array(name, dtype=object),
         "mean_pressure_Pa": values["mean_pressure"][:, None],
         "source": source,
         "evaluation_type": np.where(is_total, nan, np.where(source == "window", "A", "B").astype(object)),
         "value": estimate,
-        "correction": np.where(is_total, nan, np.where(source == "discretisation", correction, 0.0)),
+        "correction": np.where(is_total, nan, sum((source == key) * of_key for key, of_key in corrections.items())),
         "standard_uncertainty_lower": below,
         "standard_uncertainty_upper": above,
         "coverage_factor": _NORMAL,

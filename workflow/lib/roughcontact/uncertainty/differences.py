@@ -204,6 +204,11 @@ def _at_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[x
     return results
 
 
+def _value(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarray:
+    """Return a quantity (load) on its scale; of this place alone without what an overview shows of others."""
+    return to_scale(name, data[f"{name}_alone" if of_place and f"{name}_alone" in data else name].values)
+
+
 def _widths(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarray:
     """Return the components (load, source, component) of a map; of an interval that has none its half-widths.
 
@@ -218,9 +223,9 @@ def _widths(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarra
     return components
 
 
-def _reach(name: str, data: xr.Dataset, endings: Sequence[str]) -> list[np.ndarray]:
+def _reach(name: str, data: xr.Dataset, endings: Sequence[str], *, of_place: bool = False) -> list[np.ndarray]:
     """Return how far the ends of an interval lie below and above its value (load), on the scale."""
-    middle = to_scale(name, data[name].values)
+    middle = _value(name, data, of_place=of_place)
     ends = [to_scale(name, data.get(f"{name}{suffix}", data[name] * np.nan).values) for suffix in endings]
     return [middle - ends[0], ends[1] - middle]
 
@@ -231,7 +236,7 @@ def _of_place(name: str, data: xr.Dataset, components: np.ndarray) -> np.ndarray
     other_sources = np.delete(components, window, axis=1)
     result = components.copy()
     result[:, window, 2:] = 0.0
-    for side, reach in enumerate(_reach(name, data, ("_map_lower", "_map_upper"))):
+    for side, reach in enumerate(_reach(name, data, ("_map_lower", "_map_upper"), of_place=True)):
         reach_of_widths = np.maximum(reach - other_sources[..., 2 + side].sum(axis=1), 0.0)
         remainder = np.sqrt(np.maximum(reach_of_widths**2 - (other_sources[..., side] ** 2).sum(axis=1), 0.0))
         result[:, window, side] = np.fmin(remainder, components[:, window, side])
@@ -268,7 +273,7 @@ def _compare_two_maps(first: xr.Dataset, second: xr.Dataset, *, of_place: bool =
     maps = [data.isel(load=slice(loads)) for data in (first, second)]
     zeros, rows = np.zeros(loads), {}
     for name in _names(*maps):
-        values = [to_scale(name, data[name].values) for data in maps]
+        values = [_value(name, data, of_place=of_place) for data in maps]
         widths = [_widths(name, data, of_place=of_place) for data in maps]
         correlations = _correlations(name, *maps)
         difference, half_widths = values[1] - values[0], _unshared_half_widths(widths, correlations)

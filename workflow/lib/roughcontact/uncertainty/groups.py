@@ -55,7 +55,7 @@ def needed_for_groups(names: Iterable[str]) -> list[str]:
     >>> needed_for_groups(["mean_gap", "mean_gap_lower", "mean_gap_density", "iterations"])
     ['mean_gap', 'mean_gap_lower']
     """
-    suffixes = (*ENDS, "_map_lower", "_map_upper", "_components", "_parts")
+    suffixes = (*ENDS, "_map_lower", "_map_upper", "_alone", "_components", "_parts")
     needed = {f"{name}{suffix}" for name in (*QUANTITIES, *ANSWERS) for suffix in suffixes}
     needed |= {"mean_pressure", "contact_modulus", "rms_height", *_OF_HARDNESS}
     needed |= {name for facts in KIND_FACTS for name in facts.own_numbers}

@@ -97,6 +97,10 @@ def interval_columns(
         extension = add_pressure({name: pair[1] for name, pair in octave.items()}, shorter[AREA])
         intervals["octave_"] = shorter, change, [*by_source.values(), extension]
     columns: dict[str, tuple] = {}
+    if scatter and scatter.overview:
+        of_map = {name: middle[name] - scatter.shift.get(name, 0.0) for name in middle}
+        _, alone = _consistent(result, as_solved, of_map)
+        columns |= {f"{name}_{ALONE}": ("load", alone[name]) for name in (*scatter.shift, PRESSURE)}
     for name, plain in as_solved.items():
         for prefix, (on_scales, in_units, causes) in intervals.items():
             if prefix == f"{JOINT}_" and name not in windows[JOINT]:

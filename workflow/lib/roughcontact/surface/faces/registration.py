@@ -12,7 +12,7 @@ import xarray as xr
 
 from roughcontact.arguments.maps import dimensions, side_lengths, spacing
 from roughcontact.arguments.measurement import add_remark
-from roughcontact.arguments.quantities import quantity
+from roughcontact.arguments.quantities import counted_noun, quantity
 from roughcontact.errors import HeightMapError
 from roughcontact.surface.faces import placing
 from roughcontact.surface.levelling.level import level
@@ -97,7 +97,17 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
         start = min(max(start, 0), height.sizes[axis] - points)
         cuts[axis] = slice(start, start + points)
     part = height.isel(cuts)
+    measured = part.notnull()
+    for each, other in maps.items():  # with the same points missing all have the same window
+        positions = {axis: part[axis].values + shifts[name][row] for row, axis in enumerate("yx")}
+        there = {axis: values - shifts[each][row] for row, (axis, values) in enumerate(positions.items())}
+        measured &= other.notnull().sel(there, method="nearest").values
+    lacking, missing = int((part.notnull() & ~measured).sum()), int((~measured).sum())
+    part = part.where(measured).assign_attrs(missing_points=missing, missing_share=missing / part.size)
     sentences = []
+    if lacking:
+        points = counted_noun(lacking, "point")
+        sentences.append(f"{points} that another map of the place lacks: counted as not measured")
     if name in registrations:
         y, x = registrations[name].shift
         moved = f"shifted by ({quantity(x, 'm')}, {quantity(y, 'm')})"
