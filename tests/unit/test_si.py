@@ -134,6 +134,14 @@ def test_without_units_numbers_are_taken_as_they_are(surface):
     np.testing.assert_allclose(levelled_map.values, rc.level(surface).values, atol=1e-18)
 
 
+def test_positions_without_a_unit_are_questioned_beside_heights_in_metres(surface):
+    """Heights in m over numbers of µm would be a flat face, all of it in contact."""
+    micrometres = surface.assign_coords({axis: surface[axis].values * 1e6 for axis in "yx"})
+    for verb in (rc.level, lambda height: rc.evaluate(height, contact=CONTACT, uncertainty=SOLVER_ONLY)):
+        with pytest.warns(HeightMapWarning, match="no unit of heights or positions"):
+            verb(micrometres)
+
+
 def test_the_map_that_is_given_stays_as_it_is(surface):
     height = restated(surface, "um", "nm")
     original = height.copy(deep=True)

@@ -207,7 +207,8 @@ def test_a_place_differs_from_itself_by_nothing_that_an_overview_shows(answers):
         compared, _ = compare_maps({("a", "b"): pair}, of_place=[("a", "b")])
         table = compared["a", "b"].sel(quantity=[*NAMES, "mean_contact_pressure"])
         assert table["ratio"].values == pytest.approx(1, abs=1e-6)
-        assert (table["ratio_lower"] <= 1).all() and (table["ratio_upper"] >= 1).all()
+        assert (table["ratio_lower"] <= 1).all()
+        assert (table["ratio_upper"] >= 1).all()
     corrections = [
         uncertainty_table(each).query("quantity == 'mean_gap'").set_index(["mean_pressure_Pa", "source"])
         for each in answers
@@ -233,7 +234,9 @@ def test_the_gas_of_a_joint_follows_the_gap_that_an_overview_shows(field):
         field[PLACE], overview=field.coarsen(y=3, x=3).mean(), uncertainty=SOURCES, **settings
     )
     parts = [field[y : y + 96, x : x + 96] for y in (0, 96, 192) for x in (0, 96, 192)]
-    joints = [rc.evaluate(part, uncertainty={"sources": []}, **settings)["joint_conductance"] for part in parts]
+    joints = [
+        rc.evaluate(part, uncertainty={"sources": []}, **settings)["joint_conductance"] for part in parts
+    ]
     truth = np.mean(joints, axis=0)
     assert (found["joint_conductance_lower"].values < truth).all()
     assert (truth < found["joint_conductance_upper"].values).all()

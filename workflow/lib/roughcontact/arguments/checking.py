@@ -154,12 +154,12 @@ def check_map(height: "xr.DataArray") -> "np.ndarray":
 
 
 def warn_of_unit(height: "xr.DataArray", *, stacklevel: int) -> None:
-    """Warn the caller of a public function of a map (y, x) without `units` that is no map in metres."""
+    """Warn the caller of a public function of a map (y, x) without all `units` that is no map in metres."""
     from roughcontact.arguments.si import unit_of, warn_of_metres
 
-    if unit_of(height.attrs) is None:
-        positions = (height.coords.variables[axis].values for axis in height.dims)
-        warn_of_metres(positions, height.values, stacklevel=stacklevel + 1)
+    positions = [height.coords.variables[axis] for axis in height.dims]
+    if None in map(unit_of, [height.attrs, *(axis.attrs for axis in positions if axis.size > 1)]):
+        warn_of_metres([axis.values for axis in positions], height.values, stacklevel=stacklevel + 1)
 
 
 def warn_of_map(shape: tuple[int, ...], rms_gradient: float, *, stacklevel: int = 4) -> None:

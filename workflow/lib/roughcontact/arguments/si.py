@@ -5,9 +5,11 @@ What carries no unit is in SI already.
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from functools import wraps
 from inspect import signature
-from typing import Any, TypeVar, cast
+from types import UnionType
+from typing import Any, TypeVar, Union, cast, get_args, get_origin
 
 import numpy as np
 import xarray as xr
@@ -52,23 +54,73 @@ _FIELDS |= dict.fromkeys(("pressure", "mean_pressure"), "Pa")
 
 
 def as_si(function: _Function) -> _Function:
-    """Return a public function whose arguments are brought into SI before it begins.
+    """Return a public function whose arguments are brought into SI, and of their kinds, before it begins.
 
     Examples
     --------
     >>> as_si(lambda hardness: hardness)(hardness="2 GPa")
     2000000000.0
     """
-    names = tuple(signature(function).parameters)
+    return as_declared(function, _as_si)
+
+
+def as_declared(
+    function: _Function, convert: Callable[[str, Any], Any] = lambda _, value: value
+) -> _Function:
+    """Return a public function that refuses arguments of another kind than it declares.
+
+    Examples
+    --------
+    >>> def tilted(angle: float | None = None):
+    ...     return angle
+    >>> as_declared(tilted)(angle="steep")
+    Traceback (most recent call last):
+    ...
+    roughcontact.errors.SettingsError: angle = 'steep': give a number
+    """
+    arguments = signature(function).parameters
+    kinds = {name: _kind(argument.annotation) for name, argument in arguments.items()}
+
+    def taken(name: str, value: Any) -> Any:
+        kind, may_be_none = kinds.get(name, (None, True))
+        result = convert(name, value)
+        return result if kind is None or (may_be_none and value is None) else _of_kind(name, result, kind)
 
     # names of the arguments by position
     @wraps(function)
     def converted(*args: Any, **options: Any) -> Any:
-        values = [_as_si(name, value) for name, value in zip(names, args, strict=False)]
+        values = [taken(name, value) for name, value in zip(arguments, args, strict=False)]
         remaining = args[len(values) :]  # for the function to refuse
-        return function(*values, *remaining, **{name: _as_si(name, value) for name, value in options.items()})
+        return function(*values, *remaining, **{name: taken(name, value) for name, value in options.items()})
 
     return cast("_Function", converted)
+
+
+# kind that an argument may declare -> what to give
+_KINDS = {bool: "True or False", int: "a whole number", float: "a number", Mapping: "a mapping"}
+
+
+def _kind(annotation: Any) -> tuple[Any, bool]:
+    """Return the only one of `_KINDS` that an annotation names, else None, and whether it admits None."""
+    is_union = isinstance(annotation, UnionType) or get_origin(annotation) is Union
+    kinds = {get_origin(kind) or kind for kind in (get_args(annotation) if is_union else [annotation])}
+    others = kinds - {type(None)}
+    return next(iter(others)) if len(others) == 1 and others <= {*_KINDS} else None, others < kinds
+
+
+def _of_kind(name: str, value: Any, kind: Any) -> Any:
+    """Return a value of one of `_KINDS`, or raise SettingsError; a number may be text or of any library."""
+    if kind in (bool, Mapping):
+        fits = isinstance(value, (bool, np.bool_) if kind is bool else Mapping)
+    else:
+        with suppress(ValueError):
+            value = float(value) if isinstance(value, str) else value
+        # a truth value is no number, and neither are several
+        fits = np.ndim(value) == 0 and getattr(np.asarray(value).dtype, "kind", "") in "fiu"
+        fits = bool(fits and (np.isfinite(value) if kind is int else not np.isnan(value)))
+    if not fits:
+        raise SettingsError(f"{name} = {value!r}: give {_KINDS[kind]}", keys=[name])
+    return value
 
 
 def _as_si(name: str, value: Any) -> Any:
@@ -180,9 +232,9 @@ def warn_of_metres(positions: Iterable[np.ndarray], heights: np.ndarray, *, stac
         rms_height = finite_heights.std() if finite_heights.size else 0.0
     if field > _WIDEST or rms_height > _ROUGHEST:
         warnings.warn(
-            f"the map states no unit and is taken in metres: a field of {field:.3g} m with heights of "
-            f"{rms_height:.3g} m (rms); state it, by height_map(values, spacing, unit='um') or by the "
-            "attributes `units` of heights and positions",
+            f"the map states no unit of heights or positions, taken in metres: a field of {field:.3g} m with "
+            f"heights of {rms_height:.3g} m (rms); state it, by height_map(values, spacing, unit='um') or by "
+            "the attributes `units` of heights and positions",
             HeightMapWarning,
             stacklevel=stacklevel,
         )

@@ -7,8 +7,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from roughcontact.arguments.si import as_declared
 from roughcontact.arguments.variables import VARIABLES
-from roughcontact.errors import InputFileError
+from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.results.collect import solved_results
 from roughcontact.statistics.load_pairs import paired_loads
 
@@ -27,6 +28,7 @@ _NOT_COMPARED = {
 _BUDGET = ("_uncertainty", "_lower", "_upper", "_parts")
 
 
+@as_declared
 def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | None = None) -> pd.DataFrame:
     """Return which numbers of two files of statistics differ, and by how much they may.
 
@@ -73,6 +75,8 @@ def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | 
     >>> compare_statistics(run(200e-9), run(205e-9))["differs"].tolist()
     [True]
     """
+    if share is not None and not share >= 0:
+        raise SettingsError(f"share = {share:g}: give a relative difference, 0 or more", keys=["share"])
     earlier, later = _surfaces(before), _surfaces(after)
     labels = [dim for dim in _LABELS if dim in before.dims]
     if labels != [dim for dim in _LABELS if dim in after.dims]:

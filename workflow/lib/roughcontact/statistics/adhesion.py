@@ -7,6 +7,7 @@ from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.quantities import Unit, number
 from roughcontact.contact.elasticity.energy import conforming_energy
 from roughcontact.contact.elasticity.influence import Elasticity
+from roughcontact.errors import SettingsError
 
 _ENERGY = Unit(1e3, "mJ/m²")
 
@@ -28,6 +29,8 @@ def adhesion_numbers(
     energy = conforming_energy(height.values, spacing(height), elasticity, power=power)
     if work_of_adhesion is None:
         return {"conforming_energy": energy}
+    if not work_of_adhesion >= 0:
+        raise SettingsError(f"work_of_adhesion = {work_of_adhesion:g}: give 0 or more J/m2")
     return {"conforming_energy": energy, "effective_work_of_adhesion": work_of_adhesion - energy}
 
 

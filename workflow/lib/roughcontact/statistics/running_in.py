@@ -153,7 +153,9 @@ def run_in(
     _check_faces(window, wear_coefficient)
     wear = check_positive("wear_coefficient", wear_coefficient, unit="1/Pa")
     distances = _check_distances(sliding_distance)
-    (load,) = check_loads("mean_pressure", mean_pressure, unit="Pa")
+    if not tolerance > 0:
+        raise SettingsError(f"tolerance = {tolerance:g}: give a number above 0, of the rms height")
+    load = check_positive("mean_pressure", mean_pressure, unit="Pa")
     options: dict[str, Any] = {"contact_modulus": contact_modulus, "bodies": bodies, "hardness": hardness}
     options |= {"influence": influence, "zero_frequency": zero_frequency}
     first = solve_contact(window, **options, mean_pressure=load, tolerance=solver_tolerance, threads=threads)

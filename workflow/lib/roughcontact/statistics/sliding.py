@@ -118,7 +118,7 @@ def sliding_friction(
         raise SettingsError(reason)
     rubber = relaxation_of(relaxation, poissons_ratio=poissons_ratio)
     speeds = check_loads("speed", speed, unit="m/s")
-    (load,) = check_loads("mean_pressure", mean_pressure, unit="Pa")
+    load = check_positive("mean_pressure", mean_pressure, unit="Pa")
     accuracy = check_positive("tolerance", tolerance, unit="relative terms")
     strength = None if shear_strength is None else check_positive("shear_strength", shear_strength, unit="Pa")
     check_keys("seal", seal, leak_columns)

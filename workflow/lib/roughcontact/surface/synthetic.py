@@ -10,11 +10,14 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.checking import check_positive
 from roughcontact.arguments.maps import height_map, pitches
+from roughcontact.arguments.si import as_declared
 from roughcontact.errors import SettingsError
 from roughcontact.kernels.fourier import halfplane_weights, wavenumbers, wavevectors
 
 
+@as_declared
 def self_affine_surface(
     shape: Sequence[int],
     spacing: float | Sequence[float],
@@ -73,6 +76,13 @@ def self_affine_surface(
         raise SettingsError(
             f"rms_height = {rms_height}, rms_gradient = {rms_gradient}: give exactly one of them"
         )
+    if not 0 <= hurst <= 1:
+        raise SettingsError(f"hurst = {hurst!r}: give a Hurst exponent from 0 to 1", keys=["hurst"])
+    lengths = {"shortest": shortest, "longest": longest, "spacing": min(spacing), "rms_height": rms_height}
+    for name, length in lengths.items():
+        if length is not None:
+            check_positive(name, length, unit="m")
+    check_positive("stretch", stretch, unit="relative terms")
     qy, qx = wavevectors(shape, spacing)
     q = np.hypot(stretch * qy, qx)
     inside = (q >= 2 * np.pi / longest * (1 - 1e-9)) & (q <= 2 * np.pi / shortest * (1 + 1e-9)) & (q > 0)

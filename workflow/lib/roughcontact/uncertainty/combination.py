@@ -169,15 +169,15 @@ def _rows(values: Mapping[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
         side[:, -1] = np.sqrt(np.sum(np.where(present & ~is_total, side, 0.0) ** 2, axis=1))
     # what the overview shows of other places is not of the pixels
     of_map = values.get(f"{name}_alone", estimate[:, 0])[:, None]
-    corrections = {"discretisation": of_map - values.get(f"{name}_as_solved", of_map[:, 0])[:, None]}
-    corrections["window"] = estimate - of_map
+    of_pixels = of_map - values.get(f"{name}_as_solved", of_map[:, 0])[:, None]
+    of_places = np.where(source == "window", estimate - of_map, 0.0)
     columns = {
         "quantity": np.array(name, dtype=object),
         "mean_pressure_Pa": values["mean_pressure"][:, None],
         "source": source,
         "evaluation_type": np.where(is_total, nan, np.where(source == "window", "A", "B").astype(object)),
         "value": estimate,
-        "correction": np.where(is_total, nan, sum((source == key) * of_key for key, of_key in corrections.items())),
+        "correction": np.where(is_total, nan, np.where(source == "discretisation", of_pixels, of_places)),
         "standard_uncertainty_lower": below,
         "standard_uncertainty_upper": above,
         "coverage_factor": _NORMAL,

@@ -14,6 +14,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.quantities import percent
+from roughcontact.arguments.si import as_declared
 from roughcontact.errors import SettingsError
 from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads
 from roughcontact.uncertainty.combination import SIGNS, SOURCES
@@ -44,6 +45,7 @@ _RATIOS = tuple(f"ratio{suffix}" for suffix in ENDS)
 _ALL_CASES = 3  # up to so many, every two are compared
 
 
+@as_declared
 def compare_groups(
     first: xr.Dataset, second: xr.Dataset, *, relevant: float = RELEVANT, paired: bool = False
 ) -> xr.Dataset:
@@ -93,6 +95,8 @@ def compare_groups(
     for group in (first, second):
         if not isinstance(group, xr.Dataset) or "map" not in group.dims:
             raise SettingsError("compare_groups: give two results of group_statistics")
+    if not relevant > 0:
+        raise SettingsError(f"relevant = {relevant:g}: give a relative difference above 0", keys=["relevant"])
     try:
         compared = _compared(first, second, paired=paired)
     except SettingsError as error:
@@ -223,7 +227,9 @@ def _widths(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarra
     return components
 
 
-def _reach(name: str, data: xr.Dataset, endings: Sequence[str], *, of_place: bool = False) -> list[np.ndarray]:
+def _reach(
+    name: str, data: xr.Dataset, endings: Sequence[str], *, of_place: bool = False
+) -> list[np.ndarray]:
     """Return how far the ends of an interval lie below and above its value (load), on the scale."""
     middle = _value(name, data, of_place=of_place)
     ends = [to_scale(name, data.get(f"{name}{suffix}", data[name] * np.nan).values) for suffix in endings]

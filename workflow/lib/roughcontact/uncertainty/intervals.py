@@ -96,11 +96,7 @@ def interval_columns(
         shorter, change = _consistent(result, as_solved, shorter)
         extension = add_pressure({name: pair[1] for name, pair in octave.items()}, shorter[AREA])
         intervals["octave_"] = shorter, change, [*by_source.values(), extension]
-    columns: dict[str, tuple] = {}
-    if scatter and scatter.overview:
-        of_map = {name: middle[name] - scatter.shift.get(name, 0.0) for name in middle}
-        _, alone = _consistent(result, as_solved, of_map)
-        columns |= {f"{name}_{ALONE}": ("load", alone[name]) for name in (*scatter.shift, PRESSURE)}
+    columns = _columns_alone(result, as_solved, middle, scatter)
     for name, plain in as_solved.items():
         for prefix, (on_scales, in_units, causes) in intervals.items():
             if prefix == f"{JOINT}_" and name not in windows[JOINT]:
@@ -123,6 +119,17 @@ def interval_columns(
         bounds = columns[f"{name}_lower"][1], columns[f"{name}_upper"][1]
         columns |= columns_of_components(name, values[name], of_name, bounds)
     return columns
+
+
+def _columns_alone(
+    result: Result, as_solved: Values, middle: Values, scatter: Scatter | None
+) -> dict[str, tuple]:
+    """Return the corrected results of this map, without what its overview shows of other places."""
+    if not (scatter and scatter.overview):
+        return {}
+    of_map = {name: centre - scatter.shift.get(name, 0.0) for name, centre in middle.items()}
+    _, values = _consistent(result, as_solved, of_map)
+    return {f"{name}_{ALONE}": ("load", values[name]) for name in (*scatter.shift, PRESSURE)}
 
 
 def area_for_the_load(result: Result, middle: Values) -> np.ndarray:
