@@ -736,7 +736,7 @@ def test_the_caption_of_a_map_says_what_is_outlined(tmp_path, form, red):
     chosen = {"contact": FREE | {"force": [2e-3]}, "form": form, "uncertainty": {"sources": []}}
     path = tmp_path / "contact.nc"
     chain = run_chain(ground(1e-8, (64, 64)), resolve(chosen)[""], fields=path)
-    ((caption, *_),) = _fields(path, chain.window, chain.statistics, np.array([0]))
+    ((caption, *_),) = _fields(path, chain.window, chain.statistics, {0: 0})
     assert caption.partition("touch")[2] == red
 
 

@@ -75,7 +75,8 @@ def test_every_number_is_in_the_unit_of_its_column():
     assert list(cells_by_title)[-2:] == ["error bound of the pressure", "contact on filled points"]
     titles = ["Contact", "Pressure", "Stress below the surface", "Gap and conductance", "Sealing", "Solution"]
     assert [table["title"] for table in tables] == titles
-    for without_flow in ({"Std": np.nan, "window_length_y": np.nan}, {"contact_radius": ("load", [2e-4])}):
+    body = {"contact_radius": ("load", [2e-4]), "force": ("load", [2.0])}
+    for without_flow in ({"Std": np.nan, "window_length_y": np.nan}, body):
         tables = number_tables(one_load(**without_flow), [[]])
         assert [table["title"] for table in tables] == [title for title in titles if title != "Sealing"]
 

@@ -123,7 +123,7 @@ def test_the_interval_of_a_noisy_blurred_map_holds_what_it_is_without(slid, corr
 
 def test_the_page_says_where_friction_is_highest(slid, tmp_path):
     write_dataset(slid, tmp_path / "sliding.nc")
-    part = sliding_section("ground", tmp_path / "sliding.nc", tmp_path)
+    part = sliding_section("ground", slid, tmp_path / "sliding.nc", tmp_path)
     (text,) = part["sentences"]
     speed = SPEEDS[int(slid[FRICTION].values.argmax())]
     assert f"the friction of the hysteresis is highest at {speed:.2g}" in text.replace("0.0100", "0.01")
@@ -133,7 +133,7 @@ def test_the_page_says_where_friction_is_highest(slid, tmp_path):
     assert part["link"] == "sliding.nc"
     hot = slid.assign(max_flash_temperature=("speed", [1.0, 100.0, 1e4]))
     write_dataset(hot, tmp_path / "hot.nc")
-    (text,) = sliding_section("ground", tmp_path / "hot.nc", tmp_path)["sentences"]
+    (text,) = sliding_section("ground", hot, tmp_path / "hot.nc", tmp_path)["sentences"]
     from_speed = number(10**-2.5)  # half way between 1 mm/s and 10 mm/s
     assert f"by up to 10 K from {from_speed} m/s on" in text
     assert [*part["images"]][:3] == [

@@ -28,12 +28,17 @@ def allowed_in_words(numbers: Numbers, name: str, index: int) -> str:
     'leak of at most 1.08 ml/h: not decided, would be from 1.80 MPa on (1.20 MPa to 3.40 MPa)'
     """
     allowed, holds = ALLOWED_VALUES[name], float(numbers[f"{name}_holds"][index])
-    limit = float(numbers[f"allowed_{name}"])
-    text = quantity(limit, "Pa") if allowed.unit == "Pa" else unit_of(numbers, allowed.unit).text(limit)
     subject = " ".join(filter(None, [allowed.words, _total_in_words(numbers, name, index)]))
     word, link = {1.0: (HOLDS, ""), 0.0: (FAILS, "would ")}.get(holds, (NOT_DECIDED, "would be "))
-    sentence = f"{subject} of at {allowed.bound} {text}: {word}, {link}{_load_in_words(numbers, name)}"
+    sentence = f"{subject} {limit_in_words(numbers, name)}: {word}, {link}{_load_in_words(numbers, name)}"
     return f"{sentence}{_roughness_in_words(numbers, name, index)}"
+
+
+def limit_in_words(numbers: Numbers, name: str) -> str:
+    """Return what is allowed of a number: "of at most 1.08 ml/h"."""
+    allowed, limit = ALLOWED_VALUES[name], float(numbers[f"allowed_{name}"])
+    text = quantity(limit, "Pa") if allowed.unit == "Pa" else unit_of(numbers, allowed.unit).text(limit)
+    return f"of at {allowed.bound} {text}"
 
 
 def _total_in_words(numbers: Numbers, name: str, index: int) -> str:

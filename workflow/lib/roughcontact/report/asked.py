@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from roughcontact.arguments.materials import RIGID
 from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.arguments.stacks import layers_in
 
@@ -97,8 +98,8 @@ def _body(body: Mapping[str, Any]) -> str:
 
 def _solid(body: Mapping[str, Any]) -> str:
     """Return the name and the modulus of a body or a layer, and what limits its pressure."""
-    solid, details = "a rigid base", []
-    if body.get("youngs_modulus") is not None:
+    solid, details = "a rigid body" if body.get("youngs_modulus") == RIGID else "a rigid base", []
+    if solid == "a rigid base" and body.get("youngs_modulus") is not None:
         solid = quantity(body["youngs_modulus"], "Pa")
         details = [f"ν {number(body['poissons_ratio'], digits=2)}"]
         if name := body.get("name"):

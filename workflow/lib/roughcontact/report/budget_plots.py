@@ -8,8 +8,8 @@ import xarray as xr
 
 from roughcontact.arguments.answers import AREA, COMPARED, CONDUCTANCE, ENDS, TITLES, UNITS
 from roughcontact.arguments.quantities import number, percent, prefix
-from roughcontact.report.charts import Axis, Chart, load_label, log_axis
-from roughcontact.report.units import largest_source, number_text, unit_of
+from roughcontact.report.charts import Axis, Chart, curves_chart, log_axis
+from roughcontact.report.units import largest_source, number_text, stated_loads, unit_of
 
 _SOURCE_LABELS = {
     "solver": "solver",
@@ -41,15 +41,15 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
     """
     if "source" not in numbers.dims:
         return None
-    present, pressure = present_sources(numbers), unit_of(numbers, "Pa")
+    present, stated = present_sources(numbers), stated_loads(numbers)
     budget = numbers[f"{AREA}_uncertainty"].sel(source=present).values.T
     share = unit_of(numbers, "%")
     rows = []
-    for index, load in enumerate(numbers["mean_pressure"].values):
+    for index, load in enumerate(stated.texts):
         components = dict(zip(present, budget[:, index].tolist(), strict=True))
         rows.append(
             [
-                pressure.text(float(load)),
+                load,
                 number_text(numbers, AREA, share, index),
                 *(_contribution(100 * component, source) for source, component in components.items()),
                 _largest(components),
@@ -69,7 +69,7 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
         "intervals": intervals,
         "magnification": [(chart.title, chart.source()) for chart in by_cutoff if chart],
         "converged": _note_on_convergence(numbers),
-        "header": ["mean pressure", "contact area", *labels, "largest part"],
+        "header": [stated.name, "contact area", *labels, "largest part"],
         "rows": rows,
         "notes": [*filter(None, notes)],
     }
@@ -95,9 +95,9 @@ def largest_parts(numbers: xr.Dataset) -> str:
     if "source" not in numbers.dims:
         return ""
     loads: dict[str, list[str]] = {}
-    for index, load in enumerate(numbers["mean_pressure"].values):
+    for index, load in enumerate(stated_loads(numbers).texts):
         if source := largest_source(numbers, AREA, index):
-            loads.setdefault(_SOURCE_LABELS[source], []).append(unit_of(numbers, "Pa").text(float(load)))
+            loads.setdefault(_SOURCE_LABELS[source], []).append(load)
     if len(loads) == 1:
         return next(iter(loads))
     return "; ".join(f"{source} ({', '.join(at)})" for source, at in loads.items())
@@ -116,23 +116,23 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
 
     All sources together are a solid line upwards and a dashed one downwards.
     """
-    present = present_sources(numbers)
-    pascals = unit_of(numbers, "Pa")
-    load = numbers["mean_pressure"].values * pascals.factor
+    present, loads = present_sources(numbers), stated_loads(numbers)
     value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
     lower, upper = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
     components = budget.sel(source=present).transpose("source", "load").values
     shares = np.array([_percent_half_widths(component, value) for component in (*components, upper, lower)])
     highest = np.max(shares, initial=100.0, where=np.isfinite(shares))
     chart = Chart(
-        log_axis(load_label(pascals), load),
+        log_axis(loads.axis, loads.values),
         Axis("± in percent of the value", _MIN_SHARE, 2 * highest, log=True),
         title=TITLES[name],
     )
     for index, (source, share) in enumerate(zip(present, shares[:-2], strict=True)):
-        chart.series(index, load, share, label=_SOURCE_LABELS[source])
-    chart.line(load, shares[-2], width=2.2, colour="#000000", label=f"{_SOURCE_LABELS['combined']}, up")
-    chart.line(load, shares[-1], width=2.2, colour="#000000", dash="5 3", label="down")
+        chart.series(index, loads.values, share, label=_SOURCE_LABELS[source])
+    chart.line(
+        loads.values, shares[-2], width=2.2, colour="#000000", label=f"{_SOURCE_LABELS['combined']}, up"
+    )
+    chart.line(loads.values, shares[-1], width=2.2, colour="#000000", dash="5 3", label="down")
     return chart
 
 
@@ -162,7 +162,7 @@ def wider_intervals(numbers: xr.Dataset) -> tuple[dict[str, str], dict[str, Any]
         and np.isfinite([numbers[f"{AREA}_{key}{end}"] for end in ENDS[1:]]).any()
     }
     text = {"": "the ±", **beyond, "map": "this map"}
-    loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"].values]
+    loads = stated_loads(numbers).texts
     rows: list[list[str]] = []
     unknown = xr.full_like(numbers["mean_pressure"], np.nan)  # of the joint only some quantities are known
     for name in COMPARED:
@@ -214,22 +214,14 @@ def cutoff_chart(numbers: xr.Dataset, name: str) -> Chart | None:
         return None
     wavelengths = numbers["cutoff_wavelength"].values
     factor, unit = prefix(float(wavelengths[0]), "m")
-    pressures = numbers["mean_pressure"].values
-    loads = np.unique(np.linspace(0, pressures.size - 1, min(pressures.size, 4)).round().astype(int))
+    stated = stated_loads(numbers).texts
+    loads = np.unique(np.linspace(0, len(stated) - 1, min(len(stated), 4)).round().astype(int))
     text, unit_shown = TITLES[name], unit_of(numbers, UNITS[name])
-    results = numbers[f"{name}_at_cutoff"].values[loads] * unit_shown.factor
-    results = np.where(np.isfinite(results) & (results > 0), results, np.nan)
-    if np.isnan(results).all():
+    curves = {stated[load]: [numbers[f"{name}_at_cutoff"].values[load] * unit_shown.factor] for load in loads}
+    if not any((values > 0).any() for (values,) in curves.values()):
         return None
-    chart = Chart(
-        log_axis(f"shortest wave kept ({unit})", wavelengths * factor, room=1.3),
-        log_axis(f"{text} ({unit_shown.symbol})", results),
-        title=text,
-    )
-    for index, (load, values) in enumerate(zip(loads, results, strict=True)):
-        label = unit_of(numbers, "Pa").text(float(pressures[load]))
-        chart.series(index, wavelengths * factor, values, label=label)
-    return chart
+    x = log_axis(f"shortest wave kept ({unit})", wavelengths * factor, room=1.3)
+    return curves_chart(x, wavelengths * factor, f"{text} ({unit_shown.symbol})", curves, title=text)
 
 
 def _percent_half_widths(half_width: np.ndarray, value: np.ndarray) -> np.ndarray:

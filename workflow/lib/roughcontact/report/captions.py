@@ -6,7 +6,7 @@ They are taken from the statistics of one surface, with its loads rising.
 import xarray as xr
 
 from roughcontact.arguments.answers import TITLES, UNITS
-from roughcontact.report.units import number_text, unit_of
+from roughcontact.report.units import number_text, stated_loads, unit_of
 
 
 def answers_caption(numbers: xr.Dataset, *names: str) -> str:
@@ -18,15 +18,13 @@ def answers_caption(numbers: xr.Dataset, *names: str) -> str:
     >>> answers_caption(xr.Dataset(gaps | {"mean_pressure": ("load", [1e6, 5e6])}), "mean_gap")
     'Mean gap 2.00 µm at 1.00 MPa, 1.00 µm at 5.00 MPa.'
     """
-    pressure, loads = unit_of(numbers, "Pa").text, numbers["mean_pressure"].values
-    texts = []
+    loads, texts = stated_loads(numbers).texts, []
     for name in names:
         if name in numbers:
             unit = unit_of(numbers, UNITS[name])
             values = (
-                f"{number_text(numbers, name, unit, index)} {unit.symbol}".strip()
-                + f" at {pressure(float(loads[index]))}"
-                for index in dict.fromkeys([0, loads.size - 1])
+                f"{number_text(numbers, name, unit, index)} {unit.symbol}".strip() + f" at {loads[index]}"
+                for index in dict.fromkeys([0, len(loads) - 1])
             )
             texts.append(f"{TITLES[name]} {', '.join(values)}")
     text = "; ".join(texts)

@@ -8,7 +8,7 @@ import html
 import json
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import compress
@@ -338,7 +338,9 @@ class Chart:
         if flat:
             anchor, near = "middle", 6 + letters if side == "bottom" else -9.0
             points = [(position(value), edge + near) for value in written]
-            name = x0 + width / 2, edge + near + sign * 1.55 * letters, axis.label, "middle"
+            half = len(axis.label) * _DIGIT_WIDTH * letters / 2  # it must not be cut off
+            middle = min(max(x0 + width / 2, half), self.size[0] - half)
+            name = middle, edge + near + sign * 1.55 * letters, axis.label, "middle"
         else:
             anchor, across = ("end", -8.0) if side == "left" else ("start", 8.0)
             points = [(edge + across, position(value) + letters / 3) for value in written]
@@ -376,6 +378,28 @@ class Chart:
             point = round(12 + across / columns * column, 1), self.size[1] + 9 + 1.5 * self.letters * row
             lines.append((*point, label, kind, step))
         return lines, 1.5 * self.letters * -(-len(items) // columns) + 6
+
+
+def curves_chart(
+    x: Axis, abscissa: np.ndarray, label: str, curves: Mapping[str, Sequence[np.ndarray]], *, title: str = ""
+) -> Chart:
+    """Return a chart of curves by name, each its values, or values and both ends, over a logarithmic axis.
+
+    Examples
+    --------
+    >>> lengths = np.array([1.0, 10.0])
+    >>> chart = curves_chart(log_axis("length (m)", lengths), lengths, "height (m)", {"one": [lengths]})
+    >>> chart.y.label, [kind for kind, _ in chart.steps]
+    ('height (m)', ['line', 'marks'])
+    """
+    values = np.concatenate([values for curve in curves.values() for values in curve])
+    chart = Chart(x, log_axis(label, values, room=1.3), title=title)
+    for index, (name, (curve, *ends)) in enumerate(curves.items()):
+        if ends:
+            lower, upper = ends
+            chart.bars(abscissa, lower, upper, colour=COLOURS[index])
+        chart.series(index, abscissa, curve, label=name)
+    return chart
 
 
 _NOT_IN_URI = re.compile(r"[^\w =:/+;,'()!*@?$~.-]+", re.ASCII)

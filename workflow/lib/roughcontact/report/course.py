@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ENDS, TITLES, UNITS
-from roughcontact.report.charts import COLOURS, Axis, Chart, log_axis
-from roughcontact.report.units import unit_of
+from roughcontact.arguments.answers import TITLES, UNITS
+from roughcontact.report.charts import Axis, Chart, curves_chart
+from roughcontact.report.units import interval_values, unit_of
+
+_BEFORE = {"wear": "Before sliding", "sliding": "At rest"}  # course -> the contact of which all else is
 
 
 def course_section(
@@ -21,18 +23,26 @@ def course_section(
     return {"name": name, "images": images, "sentences": sentences, "link": link}
 
 
+def answer_with_courses(line: str, courses: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return the answer of a surface before its `line` of the contact at rest: that of wear or of sliding.
+
+    Examples
+    --------
+    >>> answer_with_courses("At 1 MPa: ...", {"wear": {"sentences": ["Run in after 3 m: so. Proven: that."]}})
+    'Run in after 3 m: so. Before sliding, at 1 MPa: ...'
+    """
+    for name, before in _BEFORE.items():
+        if name in courses:
+            first, *_ = courses[name]["sentences"][0].partition(". ")
+            line = f"{first}. {before}, {line[:1].lower()}{line[1:]}" if line else f"{first}."
+    return line
+
+
 def course_chart(course: xr.Dataset, result: str, abscissa: np.ndarray, x_axis: Axis) -> Chart:
     """Draw one result with its interval over a single dimension, along a logarithmic axis."""
     (dimension,) = course[result].dims
     unit = unit_of(course.isel({dimension: 0}), UNITS[result])
-    values, lower, upper = (
-        course[name].values * unit.factor
-        if (name := f"{result}{suffix}") in course
-        else np.full(abscissa.shape, np.nan)
-        for suffix in ENDS
-    )
-    plotted = np.concatenate([values, lower, upper])
-    chart = Chart(x_axis, log_axis(f"{TITLES[result]} ({unit.symbol})", plotted, room=1.3))
-    chart.bars(abscissa, lower, upper, colour=COLOURS[0])
-    chart.line(abscissa, values, colour=COLOURS[0])
-    return chart
+    # a hardness along the course is no limit of a single contact
+    curves = interval_values(course.drop_vars("hardness", errors="ignore"), result)
+    curve = [values * unit.factor for values in curves]
+    return curves_chart(x_axis, abscissa, f"{TITLES[result]} ({unit.symbol})", {"": curve})

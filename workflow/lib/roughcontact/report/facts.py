@@ -16,7 +16,7 @@ from roughcontact.io.metadata import labelled
 from roughcontact.io.sources import in_words
 from roughcontact.report.tables import material_name
 from roughcontact.report.template import sentence
-from roughcontact.report.units import unit_of
+from roughcontact.report.units import stated_loads, unit_of
 from roughcontact.statistics.adhesion import adhesion_in_words
 from roughcontact.statistics.friction import slip_in_words
 from roughcontact.statistics.kinds import facts_of_numbers, load_in_words
@@ -258,7 +258,7 @@ def _closing(numbers: xr.Dataset) -> str:
     flat = not np.isfinite(numbers.get("Std", np.nan))
     if "gap_percolates_x" not in numbers or flat or not facts_of_numbers(numbers).has_flow:
         return ""
-    loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"]]
+    loads = stated_loads(numbers).texts
     result = {}
     for axis in ("x", "y"):
         closed_loads = np.flatnonzero(numbers[f"gap_percolates_{axis}"].values == 0)

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ANSWERS, AREA, COMPARED, ENDS, PEAK, TITLES
+from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, AREA, COMPARED, ENDS, PEAK, TITLES
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import Unit, percent, quantity, with_interval
+from roughcontact.report.allowed import limit_in_words, stated_allowed
 from roughcontact.report.glance import Cell, glance_units, interval_cell, shown_loads
 from roughcontact.report.load_plots import group_areas
 from roughcontact.report.units import hardness_reached, unit_of
@@ -158,23 +159,57 @@ def _scatter(load: xr.Dataset) -> Cell:
 def differences_in_words(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> str:
     """Return what comes of the contact area in up to three comparisons, in one line; empty for more.
 
+    It is that of the lightest and of the heaviest load, with the ratio where they differ.
+
     Examples
     --------
     >>> labels = {"quantity": [AREA], "mean_pressure": ("load", [1e6, 2e6])}
-    >>> outcome = ("quantity", "load"), [["differ", "inconclusive: no interval"]]
-    >>> differences_in_words({("A", "B"): xr.Dataset({"outcome": outcome}, labels)})
-    'Contact area of B against A: differ at 1.00 MPa, inconclusive: no interval at 2.00 MPa.'
+    >>> names = ("outcome", "ratio", "ratio_lower", "ratio_upper")
+    >>> values = ["differ", "inconclusive: few"], [1.5, 1.1], [1.2, np.nan], [1.8, np.nan]
+    >>> table = xr.Dataset({name: (("quantity", "load"), [row]) for name, row in zip(names, values)}, labels)
+    >>> differences_in_words({("A", "B"): table})
+    'Contact area, B against A: 1.50 ± 0.30 times as large at 1.00 MPa; inconclusive: few at 2.00 MPa.'
     """
     sentences = []
     for (first, second), table in comparisons.items() if len(comparisons) <= _IN_LINE else ():
         if AREA not in table["quantity"]:
             continue
-        of_area = table["outcome"].sel(quantity=AREA).values.tolist()
+        of_area = table.sel(quantity=AREA)
         loads = [quantity(load, "Pa") for load in table["mean_pressure"].values.tolist()]
-        at_loads = [f"{outcome} at {load}" for outcome, load in zip(of_area, loads, strict=True)]
-        outcome = ", ".join(at_loads if len({*of_area}) > 1 else of_area[:1])
-        sentences.append(f"{second} against {first}: {outcome}")
-    return f"Contact area of {'; '.join(sentences)}." if sentences else ""
+        outcomes = [_outcome_in_words(of_area.isel(load=index)) for index in range(len(loads))]
+        at_loads = [f"{outcomes[index]} at {loads[index]}" for index in dict.fromkeys([0, len(loads) - 1])]
+        sentences.append(
+            f"{second} against {first}: {'; '.join(at_loads if len({*outcomes}) > 1 else outcomes[:1])}"
+        )
+    return f"Contact area, {'; '.join(sentences)}." if sentences else ""
+
+
+def _outcome_in_words(load: xr.Dataset) -> str:
+    """Return the outcome of a comparison at a load; where both differ, their ratio with its interval."""
+    outcome = str(load["outcome"].item())
+    if outcome != "differ":
+        return outcome
+    ends = (load[name].item() for name in ("ratio", "ratio_lower", "ratio_upper"))
+    return f"{with_interval(*ends, finest=_FINEST)} times as large"
+
+
+def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[tuple[str, str | None], xr.Dataset]) -> str:
+    """Return the contact area of up to three groups at their last load, and for how many maps what holds.
+
+    `maps` has the statistics of each map by its name and case, loads rising.
+    """
+    sentences = []
+    for group in groups if len(groups) <= _IN_LINE else ():
+        (load, area, *_) = group_cells(group.answer, glance_units([group.answer])[0], -1)
+        known = ", ".join(filter(None, (area.details, area.known)))
+        words = [f"contact area {area.text}{f' ({known})' if known else ''}"]
+        members = [maps[str(name), group.case] for name in group.answer["map"].values]
+        for name in stated_allowed(members[0]):
+            holding = sum(float(member[f"{name}_holds"][-1]) == 1 for member in members)
+            subject = f"{ALLOWED_VALUES[name].words} {limit_in_words(members[0], name)}"
+            words.insert(0, f"{subject} holds for {holding} of {len(members)}")
+        sentences.append(f"{group.label} at {load.text}: {', '.join(words)}")
+    return f"{'; '.join(sentences)}." if sentences else ""
 
 
 def _comparison(part: xr.Dataset, name: str, is_limited_at: Sequence[bool]) -> Row:

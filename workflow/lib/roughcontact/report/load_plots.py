@@ -20,8 +20,9 @@ from roughcontact.report.charts import (
     load_label,
     log_axis,
 )
-from roughcontact.report.units import interval_values, unit_of
+from roughcontact.report.units import interval_values, stated_loads, unit_of
 from roughcontact.statistics import theory
+from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.statistics.theory import AREAS
 from roughcontact.surface.roughness.summits import summit_statistics
 
@@ -45,15 +46,14 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     from the summits of `window`.
     """
     unit = float(statistics["contact_modulus"] * statistics["rms_gradient"])
-    pascals = unit_of(statistics, "Pa")
-    load = statistics["mean_pressure"].values * pascals.factor
+    pascals, (_, load, label, _) = unit_of(statistics, "Pa"), stated_loads(statistics)
     relative = statistics["relative_pressure"].values
     estimate, *bounds = interval_values(statistics, AREA)
     pixel_area = statistics[f"{AREA}_pixels"].values
     chart = _area_chart(
         load,
         np.concatenate([estimate, _clipped_ends(bounds[0], estimate), theory.persson_area(relative)]),
-        label=load_label(pascals),
+        label=label,
         top=_relative_axis(statistics),
     )
     if has_theories(statistics):
@@ -211,10 +211,11 @@ def _clipped_ends(lower_bounds: np.ndarray, areas: np.ndarray) -> np.ndarray:
 
 
 def _relative_axis(statistics: xr.Dataset) -> Axis | None:
-    """Return the axis of the relative pressure, alongside; None for a flat map, which has none."""
-    if "relative_pressure" not in statistics or not np.isfinite(statistics["relative_pressure"]).all():
+    """Return the axis of the relative pressure, alongside; None for a flat map, or a body, which has none."""
+    name = next(iter(facts_of_numbers(statistics).scaled_columns), "")
+    if name not in statistics or not np.isfinite(statistics[name]).all():
         return None
-    return log_axis(_RELATIVE, statistics["relative_pressure"].values)
+    return log_axis(_RELATIVE, statistics[name].values)
 
 
 def gap_against_load(statistics: xr.Dataset) -> Chart:
@@ -241,16 +242,14 @@ def _load_chart(
     limit: tuple[float, str],
 ) -> Chart:
     """Draw results (name, label, colour, marker) with their intervals, and a `limit`, against the load."""
-    pascals = unit_of(statistics, "Pa")
-    load = statistics["mean_pressure"].values * pascals.factor
+    _, load, name_of_load, _ = stated_loads(statistics)
     results = [[values * unit.factor for values in interval_values(statistics, name)] for name, *_ in lines]
     at_limit, limit_label = limit[0] * unit.factor, limit[1]
     all_values = np.concatenate([*(values for result in results for values in result), [at_limit]])
     # a gap that is closed but for rounding would make the axis endless
     all_values[all_values < 1e-5 * np.nanmax(all_values)] = np.nan
     y = log_axis(f"{label} ({unit.symbol})", all_values, room=1.6)
-    x = log_axis(load_label(pascals), load)
-    chart = Chart(x, y, top=_relative_axis(statistics))
+    chart = Chart(log_axis(name_of_load, load), y, top=_relative_axis(statistics))
     if np.isfinite(at_limit):
         chart.across(y=at_limit, dash=DASHED, label=limit_label)
     for (_, text, colour, marker), (value, *bounds) in zip(lines, results, strict=True):
@@ -307,8 +306,7 @@ def _distribution(statistics: xr.Dataset, loads: Sequence[int], name: str, line_
     for index, load in enumerate(loads):
         edges = np.repeat(np.append(bounds[1:, 0], bounds[-1, 1]) * factor, 2)
         steps = np.concatenate([[0.0], np.repeat(shares[load, 1:] / widths, 2), [0.0]])
-        label = unit_of(statistics, "Pa").text(float(statistics["mean_pressure"][load]))
-        chart.line(edges, steps, colour=COLOURS[index], label=label)
+        chart.line(edges, steps, colour=COLOURS[index], label=stated_loads(statistics).texts[load])
         text = dotted_label if load == loads[-1] else ""
         chart.across(x=float(line_values[load]) * factor, colour=COLOURS[index], dash=DOTTED, label=text)
     return chart

@@ -42,10 +42,12 @@ def height_map(
     rectangle: Frame | None = None,
     unit: Unit = _MICROMETRES,
     along: Unit | None = None,
+    like: xr.DataArray | None = None,
 ) -> Chart:
     """Draw a height map (y, x; m), points that were not measured in pink; profiles are drawn as lines.
 
-    `rectangle` (m from the first corner) outlines the window; `unit` is of heights, `along` of lengths.
+    `rectangle` (m from the first corner) outlines the window; `unit` is of heights, `along` of lengths; the
+    colours are those of the heights `like` these.
     """
     if are_lines(height):
         profiles = height.values if height.shape[1] > 1 else height.values.T
@@ -59,7 +61,8 @@ def height_map(
     # heights relative to the mean: the scale of a file far from zero says nothing
     values = height.values - np.nanmean(height.values)
     # a few spikes must not take up the colour scale
-    lowest, highest = (float(limit) for limit in np.nanpercentile(values, [0.1, 99.9]))
+    scale = values if like is None else like.values - np.nanmean(like.values)
+    lowest, highest = (float(limit) for limit in np.nanpercentile(scale, [0.1, 99.9]))
     return _map(_HEIGHT, height, values, (lowest, highest), unit=unit, outline=outline, along=along)
 
 

@@ -16,16 +16,23 @@ from roughcontact.arguments.quantities import Unit, number
 from roughcontact.report import ONE_PAGE, glance
 from roughcontact.report.asked import describe_problem, measured_in_words, same_loads
 from roughcontact.report.cases import case_medians, case_table
+from roughcontact.report.course import answer_with_courses
 from roughcontact.report.files import from_page
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
-from roughcontact.report.groups import comparison_rows, differences_in_words, group_picture, group_rows
+from roughcontact.report.groups import (
+    comparison_rows,
+    differences_in_words,
+    group_picture,
+    group_rows,
+    groups_in_words,
+)
 from roughcontact.report.load_plots import compare_areas, line_sample, spread_of_areas
 from roughcontact.report.sliding import sliding_section
 from roughcontact.report.summary import read_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import interval_values, unit_of
 from roughcontact.report.unloading import unloading_section
-from roughcontact.report.wear import wear_of
+from roughcontact.report.wear import wear_section
 from roughcontact.results.collect import Entry, Failure, file_of, solved_results
 from roughcontact.results.storage import write_text
 from roughcontact.statistics.decisions import OPEN_BELOW, OPEN_PARTS
@@ -36,6 +43,13 @@ from roughcontact.uncertainty.group_tables import NamedGroup
 # columns of the index of many surfaces: load and all answers but the last; and the variables that sort them
 _HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g")  # of the index, before load and answers
 _SORTED_BY = ("mean_pressure", *(answer.quantity for answer in [*ANSWERS.values()][:-1]))
+
+# part of the page -> the file of a result that it is of, and what makes it
+_COURSES = {
+    "unloading": ("residual.nc", unloading_section),
+    "sliding": ("sliding.nc", sliding_section),
+    "wear": ("worn.nc", wear_section),
+}
 
 Key = tuple[str, str | None]  # surface and case
 
@@ -86,13 +100,18 @@ def write_report(
         else:  # the row is the answer
             line = glance.exact_remarks([cells[0][column] for column in columns_asked])
         cells = [glance.without_repetition(cells_of_load, line) for cells_of_load in cells]
+        courses = {
+            name: section(panel["name"], numbers, path_of_course, folder)
+            for name, (file, section) in _COURSES.items()
+            if (path_of_course := file_of(entry, file)).is_file()
+        }
         rows.append(
             {
                 **entry,
                 **panel,
                 "panel": path_of_panel,
-                **{stage: file_of(entry, f"{stage}.nc") for stage in ("residual", "worn", "sliding")},
-                "answer": line,
+                "courses": courses,
+                "answer": answer_with_courses(line, courses),
                 "glance": [[cells_of_load[column] for column in columns_asked] for cells_of_load in cells],
                 "further": [[cells_of_load[column] for column in further] for cells_of_load in cells],
                 "numbers": _compared(numbers, units[key], compared_at[key]) if has_index else [],
@@ -115,7 +134,16 @@ def write_report(
         "further": [glance.load_heading(results), *(glance.HEADINGS[column] for column in further[1:])],
     }
     head |= {"single": len(rows) == 1, "open_below": OPEN_BELOW, "open_parts": OPEN_PARTS}
-    head["answer"] = rows[0]["answer"] if len(rows) == 1 else differences_in_words(compared or {})
+    # placements of one pair of faces were compared by nobody who asked
+    placements = {
+        _name(str(name), group.case)
+        for group in groups
+        if not group.members.is_compared
+        for name in group.answer["map"].values
+    }
+    asked = {labels: table for labels, table in (compared or {}).items() if not placements & {*labels}}
+    several = differences_in_words(asked) or groups_in_words(groups, series)
+    head["answer"] = rows[0]["answer"] if len(rows) == 1 else several
     head |= {"in_words": glance.IN_WORDS, "asked_of_run": describe_problem(settings, changed)}
     equal = same_loads(settings)
     if has_index:
@@ -133,15 +161,7 @@ def write_report(
         which_load=_which_load(indices, results),
         comparisons=_comparisons(series, styles, bool(group_of_surface), large=has_index),
         cases=_cases(by_surface, large=has_index, equal_loads=equal),
-        unloadings=[
-            unloading_section(row["name"], series[row["surface"], row["case"]], row["residual"], folder)
-            for row in rows
-            if row["residual"].is_file()
-        ],
-        slidings=[
-            sliding_section(row["name"], row["sliding"], folder) for row in rows if row["sliding"].is_file()
-        ],
-        wears=[wear_of(row["name"], row["worn"], folder) for row in rows if row["worn"].is_file()],
+        courses={name: [row["courses"][name] for row in rows if name in row["courses"]] for name in _COURSES},
         parts=[]
         if has_index
         else [from_page(row["panel"].read_text(encoding="utf-8"), row["panel"], folder) for row in rows],

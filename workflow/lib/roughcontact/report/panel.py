@@ -1,7 +1,7 @@
 """The panel of a surface: its section of the report, with checks, pictures and numbers."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache, partial
 from pathlib import Path
 
@@ -16,11 +16,18 @@ from roughcontact.report import captions, facts, load_plots, map_plots, tables, 
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.files import relative_links
-from roughcontact.report.glance import HEADINGS, answer_line, glance_rows, outcome_of, usable_loads
+from roughcontact.report.glance import (
+    HEADINGS,
+    NOT_JUDGED,
+    answer_line,
+    glance_rows,
+    outcome_of,
+    usable_loads,
+)
 from roughcontact.report.methods import methods_paragraph
 from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
-from roughcontact.report.units import unit_of
+from roughcontact.report.units import stated_loads, unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks, outcome
 from roughcontact.statistics.kinds import numbers_of_kind
@@ -79,7 +86,7 @@ def write_panel(
         maps += [_overview(field, plane, numbers) for field in coarser]
     source, date = measured_map.attrs.get("source_sha256", ""), facts.date_text(measured_map)
     del measured_map, plane  # large maps leave no room for them beside the solution
-    fields = _fields(contact, window_map, numbers, order[indices])
+    fields = _fields(contact, window_map, numbers, dict(zip(indices, order[indices], strict=True)))
     files = {"measured heights": height, "levelled": levelled, "solved window": window}
     files |= {"pressure and gap" if fields else "solution without maps": contact, "all numbers": statistics}
     recorded_settings = json_attribute(numbers.attrs, "settings")
@@ -174,43 +181,43 @@ def _maps(
 
 def _overview(overview: xr.DataArray, levelled: xr.DataArray, numbers: xr.Dataset) -> tuple[str, str, str]:
     """Return title, image and caption of an overview with the map in it."""
-    units = {"unit": unit_of(numbers, "m"), "along": unit_of(numbers, "m along")}
+    unit, along = (unit_of(numbers, length) for length in ("m", "m along"))
     frame = frame_of_place(overview, levelled)
-    image = map_plots.height_map(overview, rectangle=frame, **units).source()
+    image = map_plots.height_map(overview, rectangle=frame, unit=unit, along=along).source()
     return f"Overview{', the map in it' if frame else ''}", image, place_in_words(overview)
 
 
 def _fields(
-    path: str | Path, window: xr.DataArray, numbers: xr.Dataset, loads: np.ndarray
+    path: str | Path, window: xr.DataArray, numbers: xr.Dataset, loads: Mapping[int, int]
 ) -> list[tuple[str, str, str]]:
     """Return (caption, pressure map, gap map) of a few loads, an empty list where no maps were kept.
 
-    The maps of all loads have the colours of one scale.
+    `loads` has the place in the solution of some loads of `numbers`. The maps of all of them have the colours
+    of one scale.
     """
     with opened_dataset(path) as contact:
         if "pressure" not in contact or "gap" not in contact:
             return []
 
         # maps of which every point is drawn are read once, finer ones twice: a load at a time is in memory
-        @lru_cache(loads.size if window.size <= POINTS else 0)
+        @lru_cache(len(loads) if window.size <= POINTS else 0)
         def maps(load: int) -> map_plots.Fields:
             result = contact[["pressure", "gap"]].isel(load=load)
             return result["pressure"].values, result["gap"].values
 
-        highest, widest = map_plots.common_limits(map(maps, loads))
+        highest, widest = map_plots.common_limits(map(maps, loads.values()))
         of_pressure, of_gap = unit_of(numbers, "Pa"), unit_of(numbers, "m")
-        fields = []
-        for load in loads:
-            pressure, gap = maps(load)
+        fields, texts = [], stated_loads(numbers).texts
+        for index, place in loads.items():
+            pressure, gap = maps(place)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
-            smooth = numbers_of_kind(window.attrs).smooth_contact(window, numbers, load)
+            smooth = numbers_of_kind(window.attrs).smooth_contact(window, numbers, index)
             chart = map_plots.pressure_map(
                 window, pressure, highest=highest, unit=of_pressure, ellipse=smooth
             )
             gap_chart = map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap)
-            mean = of_pressure.text(float(contact["mean_pressure"][load]))
             outline = "; red: the contact of the smooth bodies (Hertz)" if smooth else ""
-            caption = f"{mean}: {area} of the pixels touch{outline}"
+            caption = f"{texts[index]}: {area} of the pixels touch{outline}"
             fields.append((caption, chart.source(), gap_chart.source()))
             del pressure, gap  # before the next ones are read
     return fields
@@ -221,20 +228,21 @@ def each_load(numbers: xr.Dataset, with_maps: Sequence[int]) -> list[tuple[str, 
 
     The maps are those of the load itself or, as the words say, of the nearest of those `with_maps`.
     """
-    pressure, loads = unit_of(numbers, "Pa"), numbers["mean_pressure"].values
-    result = []
+    stated = stated_loads(numbers)
+    loads, result = stated.values, []
     for index, (_, *cells) in enumerate(glance_rows(numbers, indices=range(loads.size))):
         text = [
             ", ".join(filter(None, (f"{title} {cell.text}", cell.details, cell.known)))
             + (f" ({outcome.VERDICTS[cell.outcome]})" if cell.outcome else "")
             for title, cell in zip(HEADINGS[1:], cells, strict=True)
+            if cell.text != NOT_JUDGED
         ]
         nearest = int(np.argmin(np.abs(np.log(loads[list(with_maps)] / loads[index])))) if with_maps else 0
         if index not in with_maps:
             remark = "; below those of the nearest load" if with_maps else ""
             text.append(f"maps of this load are not drawn{remark}")
-        name = f"{pressure.text(float(loads[index]))} ({index + 1} of {loads.size})"
-        result.append((name, "; ".join(text), nearest, float(f"{loads[index] * pressure.factor:.6g}")))
+        name = f"{stated.texts[index]} ({index + 1} of {loads.size})"
+        result.append((name, "; ".join(text), nearest, float(f"{loads[index]:.6g}")))
     return result
 
 

@@ -8,9 +8,10 @@ import xarray as xr
 
 from roughcontact.arguments.answers import AREA, ENDS, FRICTION, GAP, TITLES
 from roughcontact.arguments.relaxation import MAX_MISFIT
-from roughcontact.report.charts import COLOURS, Axis, Chart, log_axis
+from roughcontact.report.charts import Axis, Chart, curves_chart, log_axis
 from roughcontact.report.course import course_chart, course_section
 from roughcontact.report.template import sentence
+from roughcontact.report.units import interval_values
 from roughcontact.results.storage import read_dataset
 
 _LINES = {
@@ -20,7 +21,7 @@ _LINES = {
 WARM = 10.0  # K, by which the loss of a rubber shifts by half a decade of frequency
 
 
-def sliding_section(name: str, sliding: str | Path, folder: Path) -> dict[str, Any]:
+def sliding_section(name: str, _: xr.Dataset, sliding: str | Path, folder: Path) -> dict[str, Any]:
     """Return pictures by label, the sentence of the friction, and the link from `folder`."""
     from roughcontact.report.map_plots import pressure_map  # with all that levels maps, for few pages
 
@@ -68,22 +69,15 @@ def _speed_axis(speed: np.ndarray) -> Axis:
 
 def _friction(over: xr.Dataset) -> Chart:
     """Draw the coefficient of friction with its interval against the speed, and theories beside it."""
-    speed, values = over["speed"].values, over[FRICTION].values
-    lines = {label: over[name].values for name, label in _LINES.items() if name in over}
-    lower, upper = (over[f"{FRICTION}_{suffix}"].values for suffix in ("lower", "upper"))
-    plotted = np.concatenate([values, lower, upper, *lines.values()])
-    chart = Chart(_speed_axis(speed), log_axis("coefficient of friction μ", plotted, room=1.3))
-    chart.bars(speed, lower, upper, colour=COLOURS[0])
-    chart.series(0, speed, values, label="hysteresis, as solved")
-    for index, (label, curve) in enumerate(lines.items(), start=1):
-        chart.series(index, speed, curve, label=label)
-    return chart
+    speed, curves = over["speed"].values, {"hysteresis, as solved": interval_values(over, FRICTION)}
+    curves |= {label: [over[name].values] for name, label in _LINES.items() if name in over}
+    return curves_chart(_speed_axis(speed), speed, "coefficient of friction μ", curves)
 
 
 def _octaves(highest: xr.Dataset) -> Chart:
     """Draw the share of the friction that each octave of wavelengths makes."""
     wavelength, shares = highest["octave_wavelength"].values * 1e6, highest["friction_share_of_octave"].values
-    x_axis = log_axis("wavelength (µm), each point up to an octave below it", wavelength, room=1.3)
+    x_axis = log_axis("octave of waves below (µm)", wavelength, room=1.3)
     chart = Chart(x_axis, Axis("share of the friction (%)", 0.0, 110 * float(shares.max() or 1.0)))
     chart.series(0, wavelength, 100 * shares, label="")
     return chart

@@ -7,9 +7,10 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import COLUMNS, CREEPING, ENDS, TITLES, UNITS
+from roughcontact.arguments.kinds import PERIODIC_MAP
 from roughcontact.arguments.quantities import number, percent
 from roughcontact.arguments.variables import VARIABLES
-from roughcontact.report.units import has_number, lacks_interval, number_text, unit_of
+from roughcontact.report.units import has_number, lacks_interval, number_text, stated_loads, unit_of
 from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.statistics.kinds import facts_of_numbers, load_in_words, reason_without_flow
 
@@ -35,9 +36,13 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
     """Return the tables of numbers against load, each quantity in the same unit everywhere.
 
     Columns are those of `COLUMNS` that `numbers` has. A table has a `title`, a `header` of (title, unit,
-    meaning), mean pressure first, and `rows` of `cells` and `flags`.
+    meaning), the load first, and `rows` of `cells` and `flags`.
     """
-    (_, *load), *others = COLUMNS
+    kind = facts_of_numbers(numbers)
+    load = next(column[1:] for column in COLUMNS if column.name == kind.load)
+    # the load is in all tables; what is relative to the gradient of the map is not that of a body
+    left_out = {*PERIODIC_MAP.scaled_columns} - {*kind.scaled_columns} | {kind.load}
+    others = [column for column in COLUMNS if column.table and column.name not in left_out]
     tables = []
     for title in dict.fromkeys(table for table, *_ in others):
         available: list[tuple] = [
@@ -104,7 +109,7 @@ def creep_table(numbers: xr.Dataset, load_indices: Sequence[int]) -> Table | Non
     )
     rows = []
     for index in load_indices:
-        load = load_in_words(float(numbers["mean_pressure"][index]), numbers)[1]
+        load = stated_loads(numbers).texts[index]
         rows.append([load, "at once", *(number_text(numbers, name, units[name], index) for name in names)])
         for column, time in enumerate(numbers["time"].values):
             after = {
@@ -136,9 +141,8 @@ def material_table(numbers: xr.Dataset, load_indices: Sequence[int]) -> Table | 
     """Return the table of yield by hardness of classes, None with a hardness and for rubber-like bodies."""
     if "first_yield_pressure_by_ratio" not in numbers or rubber_like(numbers):
         return None
-    modulus, loads = float(numbers["contact_modulus"]), numbers["mean_pressure"].values
-    pressure = unit_of(numbers, "Pa").text
-    loads_in_words = [load_in_words(float(load), numbers)[1] for load in loads]
+    modulus, pressure = float(numbers["contact_modulus"]), unit_of(numbers, "Pa").text
+    loads_in_words = stated_loads(numbers).texts
     header = ["H/E*", "hardness H", "as of", f"first yield at {facts_of_numbers(numbers).load_symbol}"]
     header += [f"load, area above H at {loads_in_words[index]}" for index in load_indices]
     rows = []

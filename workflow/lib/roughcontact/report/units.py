@@ -4,15 +4,16 @@ They follow from material, roughness and window of a surface, of several of the 
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, GAP, PEAK
-from roughcontact.arguments.quantities import Unit, height_unit, number, pressure_unit
+from roughcontact.arguments.quantities import Unit, height_unit, number, prefix, pressure_unit, quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.statistics.decisions import CLOSED
+from roughcontact.statistics.kinds import facts_of_numbers
 
 # units that are the same on every page; a leak is by length of the seal
 _FIXED = {
@@ -62,6 +63,35 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
     if unit == "m":
         return height_unit(float(plain.get("rms_height", np.nan)))
     raise ValueError(f"no unit of the report is known for {unit}")
+
+
+class Loads(NamedTuple):
+    """The loads of a surface as the page shows them: their name, values in the unit of the axis, texts."""
+
+    name: str
+    values: np.ndarray
+    axis: str  # name and unit
+    texts: list[str]
+
+
+def stated_loads(numbers: Numbers) -> Loads:
+    """Return the loads of a surface: mean pressures, or the forces on a body of finite size.
+
+    Examples
+    --------
+    >>> ball = {"force": [0.2, 1.0], "contact_radius": [1e-5, 2e-5], "mean_pressure": [1e6, 5e6]}
+    >>> stated_loads(ball).texts, stated_loads({"mean_pressure": [1e6]}).axis
+    (['200 mN', '1.00 N'], 'mean pressure (MPa)')
+    """
+    kind = facts_of_numbers(numbers)
+    loads = np.asarray(numbers[kind.load], float)
+    if kind.load_unit == "Pa":
+        unit = unit_of(numbers, "Pa")
+        texts = [unit.text(load) for load in loads.tolist()]
+    else:  # forces of any size: each has a prefix of its own
+        unit = Unit(*prefix(loads.max(), kind.load_unit))
+        texts = [quantity(load, kind.load_unit) for load in loads.tolist()]
+    return Loads(kind.load_in_words, loads * unit.factor, f"{kind.load_in_words} ({unit.symbol})", texts)
 
 
 def interval_at(numbers: Numbers, name: str, index: int) -> tuple[float, float, float]:

@@ -30,6 +30,7 @@ _PRINTED = {
     "Ohm": Unit(1e3, "mΩ"),
     "Ohm m2": Unit(1e12, "µΩ mm²"),
     "m2 K W-1": Unit(1e6, "mm² K/W"),
+    "Pa-1": Unit(1e9, "mm³/(N m)"),
 }
 # of JSON schema, by the names that pydantic leaves there for limits behind a validator
 _KEYWORDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
@@ -44,7 +45,7 @@ _SAID_ELSEWHERE = tuple(
     f"contact.{name}"
     for name in (
         *("contact_modulus", "bodies", "hardness", "mean_pressure", "relative_pressure"),
-        *("force", "area"),
+        *("force", "area", "boundary"),
         *("target_area", "target_gap", "target", "keep_fields"),
     )
 )
