@@ -8,7 +8,7 @@ import roughcontact as rc
 from roughcontact.arguments.answers import AREA
 from roughcontact.arguments.quantities import number
 from roughcontact.evaluation.running_in import ANSWERS, FEW_STEPS, worn_in_a_run
-from roughcontact.report.wear import wear_section
+from roughcontact.report.courses import course_sections
 from roughcontact.results.storage import write_dataset
 from roughcontact.uncertainty.course import levelled_parts
 from roughcontact.uncertainty.scales import to_scale
@@ -76,7 +76,7 @@ def test_the_coefficient_moves_the_distances_alone(worn):
 
 def test_the_page_says_when_it_is_run_in(worn, tmp_path):
     write_dataset(worn, tmp_path / "worn.nc")
-    part = wear_section("ground", worn, tmp_path / "worn.nc", tmp_path)
+    part = course_sections("ground", worn, tmp_path, tmp_path)["wear"]
     (text,) = part["sentences"]
     low, high = (float(worn[f"running_in_distance_{end}"]) for end in ("lower", "upper"))
     assert low < float(worn["running_in_distance"]) < high

@@ -10,7 +10,7 @@ from roughcontact.arguments.answers import AREA, FRICTION, PEAK
 from roughcontact.arguments.quantities import number
 from roughcontact.evaluation.sliding import ANSWERS, slid_in_a_run
 from roughcontact.kernels.fourier import wavenumbers
-from roughcontact.report.sliding import sliding_section
+from roughcontact.report.courses import course_sections
 from roughcontact.results.storage import write_dataset
 from roughcontact.surface.window.transfer import corrected as window_corrected
 from roughcontact.surface.window.transfer import transfer
@@ -123,7 +123,7 @@ def test_the_interval_of_a_noisy_blurred_map_holds_what_it_is_without(slid, corr
 
 def test_the_page_says_where_friction_is_highest(slid, tmp_path):
     write_dataset(slid, tmp_path / "sliding.nc")
-    part = sliding_section("ground", slid, tmp_path / "sliding.nc", tmp_path)
+    part = course_sections("ground", slid, tmp_path, tmp_path)["sliding"]
     (text,) = part["sentences"]
     speed = SPEEDS[int(slid[FRICTION].values.argmax())]
     assert f"the friction of the hysteresis is highest at {speed:.2g}" in text.replace("0.0100", "0.01")
@@ -132,8 +132,8 @@ def test_the_page_says_where_friction_is_highest(slid, tmp_path):
     assert "The friction warms the contact by less than 10 K at all speeds." in text
     assert part["link"] == "sliding.nc"
     hot = slid.assign(max_flash_temperature=("speed", [1.0, 100.0, 1e4]))
-    write_dataset(hot, tmp_path / "hot.nc")
-    (text,) = sliding_section("ground", hot, tmp_path / "hot.nc", tmp_path)["sentences"]
+    write_dataset(hot, tmp_path / "sliding.nc")
+    (text,) = course_sections("ground", hot, tmp_path, tmp_path)["sliding"]["sentences"]
     from_speed = number(10**-2.5)  # half way between 1 mm/s and 10 mm/s
     assert f"by up to 10 K from {from_speed} m/s on" in text
     assert [*part["images"]][:3] == [

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 import roughcontact as rc
 from roughcontact.arguments.answers import TITLES
-from roughcontact.report.unloading import unloading_section
+from roughcontact.report.courses import course_sections
 from roughcontact.results.storage import write_dataset
 from roughcontact.statistics.after_load import evaluate_unloading
 from roughcontact.surface.synthetic import rough_reference_surface
@@ -149,7 +149,7 @@ def both_ways(folder, statistics, contact, peak):
     write_dataset(evaluate_unloading(contact, contact["height"], settings), folder / "residual.nc")
     corrected = {"relative_contact_area_as_solved": statistics["relative_contact_area"]}
     corrected["relative_contact_area"] = 0.9 * statistics["relative_contact_area"]
-    page = unloading_section("ground", statistics.assign(corrected), folder / "residual.nc", folder)
+    page = course_sections("ground", statistics.assign(corrected), folder, folder)["unloading"]
     return page["sentences"][0], read_chart(page["images"][TITLES["relative_contact_area"]], log="xy")
 
 

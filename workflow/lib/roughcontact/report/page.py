@@ -16,7 +16,7 @@ from roughcontact.arguments.quantities import Unit, number
 from roughcontact.report import ONE_PAGE, glance
 from roughcontact.report.asked import describe_problem, measured_in_words, same_loads
 from roughcontact.report.cases import case_medians, case_table
-from roughcontact.report.course import answer_with_courses
+from roughcontact.report.courses import answer_with_courses, course_sections
 from roughcontact.report.files import from_page
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import (
@@ -27,12 +27,9 @@ from roughcontact.report.groups import (
     groups_in_words,
 )
 from roughcontact.report.load_plots import compare_areas, line_sample, spread_of_areas
-from roughcontact.report.sliding import sliding_section
 from roughcontact.report.summary import read_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import interval_values, unit_of
-from roughcontact.report.unloading import unloading_section
-from roughcontact.report.wear import wear_section
 from roughcontact.results.collect import Entry, Failure, file_of, solved_results
 from roughcontact.results.storage import write_text
 from roughcontact.statistics.decisions import OPEN_BELOW, OPEN_PARTS
@@ -43,13 +40,6 @@ from roughcontact.uncertainty.group_tables import NamedGroup
 # columns of the index of many surfaces: load and all answers but the last; and the variables that sort them
 _HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g")  # of the index, before load and answers
 _SORTED_BY = ("mean_pressure", *(answer.quantity for answer in [*ANSWERS.values()][:-1]))
-
-# part of the page -> the file of a result that it is of, and what makes it
-_COURSES = {
-    "unloading": ("residual.nc", unloading_section),
-    "sliding": ("sliding.nc", sliding_section),
-    "wear": ("worn.nc", wear_section),
-}
 
 Key = tuple[str, str | None]  # surface and case
 
@@ -100,11 +90,7 @@ def write_report(
         else:  # the row is the answer
             line = glance.exact_remarks([cells[0][column] for column in columns_asked])
         cells = [glance.without_repetition(cells_of_load, line) for cells_of_load in cells]
-        courses = {
-            name: section(panel["name"], numbers, path_of_course, folder)
-            for name, (file, section) in _COURSES.items()
-            if (path_of_course := file_of(entry, file)).is_file()
-        }
+        courses = course_sections(panel["name"], numbers, path_of_panel.parent, folder)
         rows.append(
             {
                 **entry,
@@ -161,7 +147,7 @@ def write_report(
         which_load=_which_load(indices, results),
         comparisons=_comparisons(series, styles, bool(group_of_surface), large=has_index),
         cases=_cases(by_surface, large=has_index, equal_loads=equal),
-        courses={name: [row["courses"][name] for row in rows if name in row["courses"]] for name in _COURSES},
+        courses=[row["courses"] for row in rows],
         parts=[]
         if has_index
         else [from_page(row["panel"].read_text(encoding="utf-8"), row["panel"], folder) for row in rows],
