@@ -65,6 +65,7 @@ _LOADS_AND_FORM = {
     "area": "nominal area that carries the force, m²",
     "form-radius": "of a ball or an ellipsoid, m, on which the map is the roughness (boundary: free)",
     "allowed-pressure": "largest pressure allowed, Pa: the results then say whether it holds",
+    "level-form": "form that is subtracted: plane (default), polynomial, sphere, cylinder (a bullet land)",
 }
 _COLUMNS = {
     "group": "name of the finish that all files are maps of, for their numbers together",
@@ -428,6 +429,7 @@ def _init(options: argparse.Namespace) -> int:
     columns = {name: value for name in _COLUMNS if (value := getattr(options, name))}
     sections = sections_on_form(options.form_radius)
     sections["contact"] = contact | sections.get("contact", {})
+    sections |= {"level": {"form": options.level_form[0]}} if options.level_form else {}
     sections["statistics"] = {
         name: keyed(f"--{name}", words) for name in _DERIVED if (words := getattr(options, name)) is not None
     }

@@ -9,7 +9,7 @@ import xarray as xr
 from roughcontact.arguments.answers import AREA, COMPARED, CONDUCTANCE, ENDS, TITLES, UNITS
 from roughcontact.arguments.quantities import number, percent, prefix
 from roughcontact.report.charts import Axis, Chart, curves_chart, log_axis
-from roughcontact.report.units import largest_source, number_text, stated_loads, unit_of
+from roughcontact.report.units import is_unbounded, largest_source, number_text, stated_loads, unit_of
 
 _SOURCE_LABELS = {
     "solver": "solver",
@@ -138,11 +138,7 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
 
 def _note_on_open_ends(numbers: xr.Dataset) -> str:
     """Return a sentence on upper ends that are not known, empty where all are."""
-    open_bounds = [
-        TITLES[name]
-        for name in COMPARED
-        if (numbers[f"{name}_lower"].notnull() & numbers[f"{name}_upper"].isnull()).any()
-    ]
+    open_bounds = [TITLES[name] for name in COMPARED if is_unbounded(numbers, name)]
     if not open_bounds:
         return ""
     return (

@@ -6,7 +6,7 @@ They are taken from the statistics of one surface, with its loads rising.
 import xarray as xr
 
 from roughcontact.arguments.answers import TITLES, UNITS
-from roughcontact.report.units import number_text, stated_loads, unit_of
+from roughcontact.report.units import is_unbounded, number_text, stated_loads, unit_of
 
 
 def answers_caption(numbers: xr.Dataset, *names: str) -> str:
@@ -34,7 +34,5 @@ def answers_caption(numbers: xr.Dataset, *names: str) -> str:
 def bars_in_words(numbers: xr.Dataset, *names: str) -> str:
     """Return how the bars of these quantities in a figure are to be read, where there are any."""
     available = [name for name in names if f"{name}_lower" in numbers]
-    arrow = any(
-        (numbers[f"{name}_lower"].notnull() & numbers[f"{name}_upper"].isnull()).any() for name in available
-    )
+    arrow = any(is_unbounded(numbers, name) for name in available)
     return f"Bars: the ±{'; an arrow: nothing bounds it upwards' * arrow}." if available else ""

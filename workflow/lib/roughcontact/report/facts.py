@@ -85,7 +85,10 @@ def number_facts(numbers: xr.Dataset) -> list[tuple[str, str]]:
         ("rms height", unit_of(numbers, "m").text(float(numbers["rms_height"]))),
         ("rms gradient g", number(float(numbers["rms_gradient"]))),
         ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
-        ("Hardness", _hardness(numbers)),
+        (
+            "Hardness",
+            unit_of(numbers, "Pa").text(float(numbers["hardness"])) if "hardness" in numbers else "",
+        ),
         ("First yield at the surface", _first_yield(numbers, "first_yield_pressure")),
         ("First yield below the surface", _first_yield(numbers, "first_subsurface_yield_pressure")),
         ("Gap closes", closing := _closing(numbers)),
@@ -229,11 +232,6 @@ def _lay(numbers: xr.Dataset) -> str:
     if not _has_lay(numbers):
         return "none"
     return f"{(float(numbers['Std']) + 90) % 180:.0f}°"
-
-
-def _hardness(numbers: xr.Dataset) -> str:
-    """Return the hardness of the softer body, nothing where none is stated."""
-    return unit_of(numbers, "Pa").text(float(numbers["hardness"])) if "hardness" in numbers else ""
 
 
 def _first_yield(numbers: xr.Dataset, name: str) -> str:

@@ -20,6 +20,9 @@ from roughcontact.uncertainty.differences import case_pairs, compare_all, compar
 from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
 from roughcontact.uncertainty.groups import group_statistics, needed_for_groups
 
+# comparisons by the names of what is compared, and a sentence for each that cannot be made
+Comparisons = tuple[dict[tuple[str, str], xr.Dataset], list[str]]
+
 # files of a surface -> section and key of the settings that ask for them
 _ON_REQUEST = {
     "residual.nc": ("contact", "unload"),
@@ -135,42 +138,36 @@ def group_answers(
     return answers, omissions
 
 
-def comparisons(
-    answers: Sequence[NamedGroup], same_area_pairs: Sequence[Sequence[str]] = ()
-) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
+def comparisons(answers: Sequence[NamedGroup], same_area_pairs: Sequence[Sequence[str]] = ()) -> Comparisons:
     """Return the comparisons of every two groups under a case, and of the cases (`case_pairs`) of a group.
 
     Groups of the same areas are compared map by map, placements under two cases alone; with them comes a
     sentence for each that cannot be made.
     """
-    result: dict[tuple[str, str], xr.Dataset] = {}
-    omissions: list[str] = []
+    found: list[Comparisons] = []
     for case in dict.fromkeys(group.case for group in answers):
         of_case = [group for group in answers if group.case == case and group.members.is_compared]
         answers_by_label = {group.label: group.answer for group in of_case}
-        new_comparisons, reasons = compare_all(answers_by_label, same_area_pairs=same_area_pairs)
-        result, omissions = result | new_comparisons, omissions + reasons
+        found.append(compare_all(answers_by_label, same_area_pairs=same_area_pairs))
     for name in dict.fromkeys(group.name for group in answers):
         answers_by_label = {group.label: group.answer for group in answers if group.name == name}
         if len(answers_by_label) > 1 and any(answer.sizes["map"] > 1 for answer in answers_by_label.values()):
-            new_comparisons, reasons = compare_all(answers_by_label, cases=case_pairs(list(answers_by_label)))
-            result, omissions = result | new_comparisons, omissions + reasons
-    return result, omissions
+            found.append(compare_all(answers_by_label, cases=case_pairs(list(answers_by_label))))
+    return _joined(found)
 
 
 def map_comparisons(
     by_case: Mapping[str, Mapping[str, xr.Dataset]],
     pairs: Mapping[str, Sequence[str]],
     same_area_pairs: Sequence[Sequence[str]],
-) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
+) -> Comparisons:
     """Return the comparisons under each case of maps of a place, and of the first placement with the others.
 
     With them comes a sentence for each that cannot be made.
     """
     one_place = [(earlier, later) for earlier, later in same_area_pairs]
     of_faces = [(reference, partner) for reference, *partners in pairs.values() for partner in partners]
-    result: dict[tuple[str, str], xr.Dataset] = {}
-    omissions: list[str] = []
+    found: list[Comparisons] = []
     for case, of_case in by_case.items():
         results_by_pair, of_place = {}, set()
         for pair in one_place + of_faces:
@@ -179,9 +176,16 @@ def map_comparisons(
                 results_by_pair[reference, partner] = of_case[pair[0]], of_case[pair[1]]
                 if pair in one_place:
                     of_place.add((reference, partner))
-        new_comparisons, reasons = compare_maps(results_by_pair, of_place=of_place)
-        result, omissions = result | new_comparisons, omissions + reasons
-    return result, omissions
+        found.append(compare_maps(results_by_pair, of_place=of_place))
+    return _joined(found)
+
+
+def _joined(found: Sequence[Comparisons]) -> Comparisons:
+    """Return all of some comparisons, and all sentences on those that cannot be made."""
+    result: dict[tuple[str, str], xr.Dataset] = {}
+    for compared, _ in found:
+        result |= compared
+    return result, [reason for _, reasons in found for reason in reasons]
 
 
 def _split_by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, dict[str, xr.Dataset]]:

@@ -41,7 +41,8 @@ def group_rows(
     return [
         {
             "name": group.label,
-            "of": _composition(group) + _verdicts(group, verdicts or {}),
+            "of": group.members.in_words(group.answer.sizes["map"], len({*group.answer["part"].values}))
+            + _verdicts(group, verdicts or {}),
             "remarks": json_attribute(group.answer.attrs, "remarks"),
             "rows": [
                 group_cells(group.answer, of_group, index) for index in shown_loads(group.answer[AREA].values)
@@ -103,11 +104,6 @@ def _limited_at(answer: xr.Dataset, load: float) -> bool:
     """Return whether the largest pressure of a group or map is the hardness, at the load (Pa) next to one."""
     index = int(np.abs(answer["mean_pressure"].values - load).argmin())
     return PEAK in answer and bool(hardness_reached(answer)[index])
-
-
-def _composition(group: NamedGroup) -> str:
-    """Return what a group is made of, in words."""
-    return group.members.in_words(group.answer.sizes["map"], len(set(group.answer["part"].values)))
 
 
 def _verdicts(group: NamedGroup, verdicts: Mapping[tuple[str, str | None], str]) -> str:

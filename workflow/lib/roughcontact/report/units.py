@@ -154,6 +154,11 @@ def has_number(numbers: Numbers, name: str) -> bool:
     return name in numbers and bool(np.isfinite(np.asarray(numbers[name], float)).any())
 
 
+def is_unbounded(numbers: xr.Dataset, name: str) -> bool:
+    """Return whether nothing bounds a number upwards that has a lower end, at one load at least."""
+    return bool((numbers[f"{name}_lower"].notnull() & numbers[f"{name}_upper"].isnull()).any())
+
+
 def lacks_interval(numbers: Numbers, name: str) -> bool:
     """Return whether a number follows from others that have an interval, and has none itself."""
     derived = name.endswith(("conductance", "_resistance"))
