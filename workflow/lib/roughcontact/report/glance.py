@@ -190,10 +190,12 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell], *, alone
             else f"{ANSWERS[name].words if name in ANSWERS else HEADINGS[column]} "
         )
         known = [cell.precision if cell.remark in repeated else cell.known]
+        details = [part for part in cell.details.split("; ") if part not in allowed]
         if alone:
-            details = [part for part in cell.details.split("; ") if part not in allowed]
             verdict = "" if cell.outcome == cells[0].outcome else VERDICTS.get(cell.outcome, "")
             known = [*details, *known, verdict]
+        elif not subject:  # beside a yes or no the number behind it
+            known = [*details[:1], *known]
         precision = ", ".join(filter(None, known))
         words.append(f"{subject}{cell.text}{f' ({precision})' if precision else ''}")
     line = "; ".join([f"at {cells[0].text}: {', '.join(words)}", *repeated])
