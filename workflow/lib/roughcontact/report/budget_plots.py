@@ -119,8 +119,9 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
     present, loads = present_sources(numbers), stated_loads(numbers)
     value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
     lower, upper = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
-    components = budget.sel(source=present).transpose("source", "load").values
-    shares = np.array([_percent_half_widths(component, value) for component in (*components, upper, lower)])
+    half_widths = np.array([*budget.sel(source=present).transpose("source", "load").values, upper, lower])
+    shares = 100 * np.divide(half_widths, value, out=np.full(half_widths.shape, np.nan), where=value > 0)
+    shares[~(shares >= _MIN_SHARE)] = np.nan
     highest = np.max(shares, initial=100.0, where=np.isfinite(shares))
     chart = Chart(
         log_axis(loads.axis, loads.values),
@@ -218,9 +219,3 @@ def cutoff_chart(numbers: xr.Dataset, name: str) -> Chart | None:
         return None
     x = log_axis(f"shortest wave kept ({unit})", wavelengths * factor, room=1.3)
     return curves_chart(x, wavelengths * factor, f"{text} ({unit_shown.symbol})", curves, title=text)
-
-
-def _percent_half_widths(half_width: np.ndarray, value: np.ndarray) -> np.ndarray:
-    """Return half-widths in percent of the value, NaN where there is nothing to draw."""
-    share = 100 * np.divide(half_width, value, out=np.full(value.shape, np.nan), where=value > 0)
-    return np.where(share >= _MIN_SHARE, share, np.nan)

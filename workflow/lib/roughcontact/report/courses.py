@@ -132,14 +132,10 @@ def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
         f"{TITLES[name]} over the speed": _course_chart(over, name, speed, x_axis) for name in (AREA, GAP)
     }
     peak = {suffix: highest[f"{FRICTION}{suffix}"].item() for suffix in ENDS}
-    text = sentence("slides", _scalars(highest), [*peak.values()], _misfit(over), _warm_from(over))
+    misfit = float(over.attrs["relaxation_misfit"])  # of the table from every linear material
+    misfit = misfit if misfit > MAX_MISFIT else 0.0
+    text = sentence("slides", _scalars(highest), [*peak.values()], misfit, _warm_from(over))
     return charts, [text]
-
-
-def _misfit(over: xr.Dataset) -> float:
-    """Return by how much the table of the rubber differs from every linear material, 0 if that is little."""
-    misfit = float(over.attrs["relaxation_misfit"])
-    return misfit if misfit > MAX_MISFIT else 0.0
 
 
 def _warm_from(over: xr.Dataset) -> tuple[float, float] | None:

@@ -297,14 +297,10 @@ def _compared(data: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[d
     cells = [glance.Cell(units["mean_gap"].text(rms)), glance.Cell(number(slope)), *answers]
     keys = [rms, slope, *(float(data[name][index]) if name else None for name in _SORTED_BY)]
     return [
-        cell._asdict() | ({"details": "", "key": None} if key is None else {"key": _sorted(key)})
+        cell._asdict()
+        | ({"details": "", "key": None} if key is None else {"key": key if np.isfinite(key) else ""})
         for cell, key in zip(cells, keys, strict=False)  # all but the last
     ]
-
-
-def _sorted(value: float) -> float | str:
-    """Return the sorting key of a cell: its number, or an empty text where it has none."""
-    return value if np.isfinite(value) else ""
 
 
 def _which_load(indices: Sequence[int], results: Sequence[xr.Dataset]) -> str:
