@@ -35,14 +35,11 @@ async function send(action, more) {
 }
 
 async function upload(files) {
-  const paths = [], refusals = [];
-  for (const file of files) {
-    const response = await fetch(`drop?page=${page}&name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
-    if (response.ok) paths.push(["page.dropped", await response.text()]);
-    else refusals.push(response);
-  }
+  const responses = [], paths = [];
+  for (const file of files) responses.push(await fetch(`drop?page=${page}&name=${encodeURIComponent(file.name)}`, { method: "POST", body: file }));
+  for (const response of responses) if (response.ok) paths.push(["page.dropped", await response.text()]);
   if (paths.length) await send("add", paths);
-  for (const response of refusals) await put(response);
+  for (const response of responses) if (!response.ok) await put(response);
 }
 
 function ask(action, detail = []) {
