@@ -347,6 +347,23 @@ def test_the_noise_of_two_faces_is_that_of_their_sum():
     assert stated_instrument(rough(1), instrument)["noise"] == 1e-9
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_of_the_face_that_states_nothing_the_settings_are(first):
+    """A noisy, coarse face on one whose instrument is that of the settings, whichever is the first."""
+    noisy = rough(1).assign_attrs(instrument_noise=4e-9, instrument_resolution=2e-6)
+    faces = [noisy, rough(2)] if first == 0 else [rough(2), noisy]
+    settings = {"noise": 3e-9, "resolution": 5e-6, "tip_radius": 1e-6}
+    stated = stated_instrument(composite(*faces), settings)
+    assert stated == pytest.approx({"noise": 5e-9, "resolution": 5e-6, "tip_radius": 1e-6})
+    assert stated_instrument(composite(*faces), {})["noise"] == pytest.approx(4e-9)
+    lens = {"numerical_aperture": 0.3, "wavelength": 6e-7}
+    coarse = [
+        face.assign_attrs(instrument_numerical_aperture=0.5) if face is noisy else face for face in faces
+    ]
+    assert stated_instrument(composite(*coarse), lens).items() >= lens.items()
+    assert "wavelength" not in stated_instrument(composite(*coarse), {"numerical_aperture": 0.3})
+
+
 def test_an_ensemble_of_positions():
     face, counter_face = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(33), slice(64))
     drawn = relative_positions(face, counter_face, shifts=40, rotations=[0, 90], overlap=0.8, seed=3)

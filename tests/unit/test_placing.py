@@ -44,9 +44,21 @@ def test_a_map_is_found_where_it_was_cut_out(field, rotation, scale):
     expected = middles[0] + turn @ (middles[1] - middles[0])
     assert [place.y, place.x] == pytest.approx(expected, abs=1.5 * PITCH)  # half a pixel of the overview
     assert place.rotation == pytest.approx(rotation, abs=0.7)
-    assert place.scale == pytest.approx(scale, abs=0.012)
+    assert place.scale == pytest.approx(scale, abs=0.005)
     assert place.correlation > 0.95
     assert place.uncertainty < placing.MAX_UNCERTAINTY
+
+
+@pytest.mark.parametrize("unit", [1.0, 0.1, 1e6, 7.3])
+def test_where_pixels_of_both_coincide_the_place_is_exact_in_every_unit(field, unit):
+    """Of 40 x 40 pixels of the overview none is lost by the rounding of coordinates."""
+    fine, overview = field[90:210, 150:270], field.coarsen(y=3, x=3).mean()
+    in_unit = [each.assign_coords(x=unit * each.x, y=unit * each.y) for each in (fine, overview)]
+    place = placing.place_of(*in_unit)
+    assert (place.scale, place.rotation) == (1.0, 0.0)
+    assert place.correlation == pytest.approx(1, abs=1e-9)
+    expected = [unit * float(fine[axis].mean()) for axis in "yx"]
+    assert [place.y, place.x] == pytest.approx(expected, abs=0.05 * unit * PITCH)
 
 
 def test_the_height_scale_and_the_form_of_the_other_instrument_count_for_nothing(field):

@@ -143,6 +143,7 @@ def test_a_named_rubber_at_another_temperature():
         ({"table": "PIB", "temperature": 293}, "268 K above its reference"),
         ({"table": "PIB", "temperature": "60 F"}, "'60 F': unknown temperature scale 'F'"),
         (SERIES | {"tau": [1.0]}, "relaxation.tau: unknown"),
+        (SERIES | {"table": "PIB"}, "a table and long_time_modulus of a Prony series given"),
         ("nowhere.csv", "relaxation = nowhere.csv: not read as a table: .*; by name there are EPDM-70, poly"),
         (pd.DataFrame({"f": [1.0], "E'": [1e6]}), "no column 'loss_modulus'"),
         (pd.DataFrame({"f": [1.0], "E' (MPA)": [1.0], "E''": [1.0]}), "unit 'MPA'"),

@@ -8,6 +8,7 @@ from known_surfaces import self_affine
 import roughcontact as rc
 from roughcontact.arguments.answers import AREA, FRICTION, PEAK
 from roughcontact.arguments.quantities import number
+from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.evaluation.sliding import ANSWERS, slid_in_a_run
 from roughcontact.kernels.fourier import wavenumbers
 from roughcontact.report.courses import course_sections
@@ -86,6 +87,41 @@ def test_a_range_of_the_modulus_is_part_of_the_interval(name, factor):
     expected = np.hypot(width - middle, to_scale(name, at_end.values) - to_scale(name, solved.values))
     np.testing.assert_allclose(wider - middle, expected, rtol=0.01)
     assert (wider > width).all()
+
+
+@pytest.mark.parametrize(
+    ("rubber", "contact", "refused"),
+    [
+        ({}, {"hardness": "5 MPa"}, True),
+        ({"hardness": "5 MPa"}, {}, True),
+        ({}, {}, False),  # that of the steel, which the rubber does not reach
+    ],
+)
+def test_a_hardness_that_sliding_rubber_would_not_have_is_refused(rubber, contact, refused):
+    series = {"long_time_modulus": 3e6, "moduli": [27e6], "times": [1e-4]}
+    bodies = [{"relaxation": series} | rubber, "steel"]
+    sections = {"contact": {"bodies": bodies, "mean_pressure": 1e5} | contact, "sliding": {"speed": 0.1}}
+    if refused:
+        with pytest.raises(
+            rc.SettingsError, match=r"sliding.speed: .* and the hardness is 5e\+06 Pa; leave it"
+        ):
+            resolve(sections)
+    else:
+        assert resolve(sections)[""]["contact"]["hardness"] > 1e9
+
+
+def test_the_friction_by_the_area_has_the_range_of_the_shear_strength():
+    """Independent of the interval of the area, whose distance on the logarithm it adds to by squares."""
+    window, full = face(points=48), settings()
+    friction = {"shear_strength": 1e6, "shear_strength_uncertainty": [0.2, 0.5]}
+    stated = full | {"statistics": {"friction": friction, "seal": None}}
+    exact, ranged = (slid_in_a_run(window, each, mean_pressure=LOAD) for each in (full, stated))
+    name = "adhesive_friction_coefficient"
+    for end, factor in (("lower", 0.8), ("upper", 1.5)):
+        by_area = np.log(exact[f"{AREA}_{end}"] / exact[AREA])
+        np.testing.assert_allclose(np.log(exact[f"{name}_{end}"] / exact[name]), by_area)
+        both = np.abs(np.log(ranged[f"{name}_{end}"] / ranged[name]))
+        np.testing.assert_allclose(both, np.hypot(by_area, np.log(factor)))
 
 
 def test_what_the_table_does_not_reach_is_in_the_interval(slid):

@@ -14,7 +14,7 @@ from roughcontact.surface.synthetic import westergaard_surface
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.headline import headline_names
-from roughcontact.uncertainty.inputs import STIFFNESS, input_uncertainty
+from roughcontact.uncertainty.inputs import STIFFNESS, input_uncertainty, stiffer
 from roughcontact.uncertainty.scales import ANSWERS, AREA, CONSTRICTIONS, QUANTITIES, from_scale, to_scale
 
 MODULUS, GRADIENT, THICKNESS = 1e9, 0.1, 3e-6
@@ -210,3 +210,13 @@ def test_an_end_that_cannot_be_solved_bounds_nothing(surface):
 def test_an_impossible_uncertainty_is_refused(surface, width):
     with pytest.raises(SettingsError, match=f"contact_modulus = {width:g}.*below 1"):
         budget_of(surface, "elastic", [0.1], "contact_modulus", width)
+
+
+def test_the_moduli_of_layers_on_a_rigid_base_have_a_range_as_well():
+    bodies = [
+        {"base": "rigid", "youngs_modulus": None, "layers": [{"youngs_modulus": 2.0, "thickness": 3.0}]}
+    ]
+    expected = [
+        {"base": "rigid", "youngs_modulus": None, "layers": [{"youngs_modulus": 2.5, "thickness": 3.0}]}
+    ]
+    assert stiffer(bodies, 1.25) == expected

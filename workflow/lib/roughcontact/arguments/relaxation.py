@@ -35,7 +35,8 @@ _COLUMNS = {
     "loss_modulus": r"(e(''|″|\")|loss( modulus)?)",
 }
 _UNITS = {"frequency": {"": 1.0, "Hz": 1.0, "kHz": 1e3}, "angular": {"": 1.0, "rad/s": 1.0, "1/s": 1.0}}
-_KEYS = {"long_time_modulus", "moduli", "times", "table", "wlf", "reference_temperature", "temperature"}
+_SERIES = ("long_time_modulus", "moduli", "times")
+_KEYS = {*_SERIES, "table", "wlf", "reference_temperature", "temperature"}
 
 
 @dataclass(frozen=True)
@@ -104,6 +105,11 @@ def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> R
     """
     ratio = check_poissons_ratio("poissons_ratio", poissons_ratio)
     properties = dict(relaxation) if isinstance(relaxation, Mapping) else {"table": relaxation}
+    if "table" in properties and (beside := [key for key in _SERIES if properties.get(key) is not None]):
+        raise SettingsError(
+            f"relaxation: a table and {beside[0]} of a Prony series given; give one of them",
+            keys=["relaxation"],
+        )
     if unknown := {*properties} - _KEYS:
         raise SettingsError(
             f"relaxation.{min(unknown)}: unknown; give long_time_modulus, moduli and times of a Prony "
@@ -134,7 +140,8 @@ def with_modulus_at_rest(body: Any) -> Any:
     relaxation = properties["relaxation"]
     named = compound(relaxation.get("table") if isinstance(relaxation, Mapping) else relaxation)
     name = {"name": named["name"]} if named else {}
-    modulus = properties.get("youngs_modulus") or relaxation_of(relaxation).at_rest()
+    at_rest = relaxation_of(relaxation).at_rest()  # what is wrong with it is found with the settings
+    modulus = properties.get("youngs_modulus", at_rest)
     return {"poissons_ratio": RUBBER_RATIO} | name | properties | {"youngs_modulus": modulus}
 
 
@@ -217,7 +224,7 @@ def _fitted(table: str | Path | pd.DataFrame, ratio: float) -> Relaxation:
 
 def _series(properties: Mapping[str, Any], ratio: float) -> Relaxation:
     """Return a Prony series that is stated, or of the table of compounds, with the range of its data."""
-    for key in ("long_time_modulus", "moduli", "times"):
+    for key in _SERIES:
         if properties.get(key) is None:
             raise SettingsError(f"relaxation.{key}: missing from the Prony series", keys=["relaxation"])
     plateau, moduli, times = (

@@ -69,6 +69,7 @@ _DERIVED = [
     "contact_stiffness",
     "running_in_distance",
     "hysteretic_friction_coefficient",
+    "adhesive_friction_coefficient",
     *(f"{name}_{number}" for name in ALLOWED_VALUES for number in ("holds_from", "largest_Sq")),
     "joint_conductance",
     "contact_area",

@@ -13,16 +13,21 @@ from typing import Any
 
 import xarray as xr
 
-from roughcontact.arguments.answers import AREA, FRICTION, GAP, PEAK, PRESSURE
+from roughcontact.arguments.answers import AREA, ENDS, FRICTION, GAP, PEAK, PRESSURE
 from roughcontact.arguments.bodies import relaxing_body
+from roughcontact.arguments.ranges import ends
 from roughcontact.arguments.variables import describe
+from roughcontact.statistics.precision import widened
 from roughcontact.statistics.sliding import sliding_friction
 from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.uncertainty.combination import symmetric
 from roughcontact.uncertainty.course import components_of_parts, runs_at_ends, with_ends
+from roughcontact.uncertainty.inputs import HARDNESS, INPUTS
 
 ANSWERS = (FRICTION, AREA, PRESSURE, PEAK, GAP)
 COARSE = 1e-3  # tolerance of a part
+_BY_AREA = "adhesive_friction_coefficient"
+_INPUTS = [name for name in INPUTS if name != HARDNESS]  # nothing in a rubber flows
 _OF_A_SEAL = ("viscosity", "pressure_difference", "width", "outlet_pressure", "mean_free_path")
 
 
@@ -63,7 +68,7 @@ def slid_in_a_run(
     instrument = stated_instrument(window, settings["instrument"])
 
     def at_end(part: xr.DataArray, *, contact_modulus: float = 1.0, **inputs: float) -> xr.Dataset:
-        """Return the course with load and moduli so many times as large; the rubber has no hardness."""
+        """Return the course with load and moduli so many times as large."""
         load = inputs.get("mean_pressure", 1.0) * mean_pressure
         # linear: stiffer rubber is a lighter load, whose pressures are multiplied
         course = coarse(part, mean_pressure=load / contact_modulus)
@@ -75,9 +80,12 @@ def slid_in_a_run(
         ANSWERS,
         instrument=instrument,
         as_measured=as_measured,
-        ends_of_inputs=runs_at_ends(
-            at_end, {**settings["contact"], "hardness_uncertainty": None}, instrument
-        ),
+        ends_of_inputs=runs_at_ends(at_end, settings["contact"], instrument, inputs=_INPUTS),
     )
     shares = slid["hysteretic_friction_bound"] / slid[FRICTION], slid["friction_share_beyond_table"]
-    return describe(with_ends(slid, [of_parts, *({FRICTION: symmetric(share.values)} for share in shares)]))
+    slid = with_ends(slid, [of_parts, *({FRICTION: symmetric(share.values)} for share in shares)])
+    if _BY_AREA in slid:
+        by_area = [slid[_BY_AREA] * (slid[f"{AREA}{end}"] / slid[AREA]) for end in ENDS]
+        bounds = widened(by_area, ends(1.0, friction.get("shear_strength_uncertainty")))
+        slid = slid.assign({f"{_BY_AREA}{end}": bound for end, bound in zip(ENDS[1:], bounds, strict=True)})
+    return describe(slid)

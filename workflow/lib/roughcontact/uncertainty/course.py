@@ -45,14 +45,18 @@ def change(name: str, other: xr.Dataset, course: xr.Dataset) -> np.ndarray:
 
 
 def runs_at_ends(
-    run: Callable[..., xr.Dataset], contact: Mapping[str, Any], instrument: Mapping[str, Any]
+    run: Callable[..., xr.Dataset],
+    contact: Mapping[str, Any],
+    instrument: Mapping[str, Any],
+    *,
+    inputs: Iterable[str] = INPUTS,
 ) -> list[tuple[Run, Run]]:
     """Return the courses at both ends of each input whose range is stated of the contact or the instrument.
 
     `run` takes a window and, by their names (`uncertainty.inputs`), inputs over what is stated; those of the
     scales of the map are in the window already.
     """
-    stated = {key: contact.get(name_of_range(key)) or instrument.get(key) for key in INPUTS}
+    stated = {key: contact.get(name_of_range(key)) or instrument.get(key) for key in inputs}
 
     def at(window: xr.DataArray, *, key: str, factor: float) -> xr.Dataset:
         if key not in AMPLIFICATIONS:

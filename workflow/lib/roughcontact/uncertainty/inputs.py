@@ -145,7 +145,10 @@ def stiffer(bodies: Any, factor: float) -> Any:
     if isinstance(bodies, list):
         return [stiffer(body, factor) for body in bodies]
     if isinstance(bodies, dict):
-        return {k: factor * v if k == "youngs_modulus" else stiffer(v, factor) for k, v in bodies.items()}
+        # a rigid base has none
+        return {
+            k: factor * v if k == "youngs_modulus" and v else stiffer(v, factor) for k, v in bodies.items()
+        }
     return bodies
 
 

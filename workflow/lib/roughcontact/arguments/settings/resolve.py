@@ -249,6 +249,14 @@ def _mistakes_in_sliding(sliding: Mapping[str, Any], contact: Mapping[str, Any])
     elif speeds and contact_modulus(bodies) < (1 - _RIGID) * contact_modulus(relaxing):
         text = ": the face is taken to be rigid, and gives way by more than a percent of what the rubber does"
         yield _mistake("sliding.speed", text)
+    # that of a stiff face by its name limits nothing
+    softer = [body["hardness"] for body in bodies if not body["relaxation"]]
+    if speeds and contact["hardness"] and contact["hardness"] not in softer:
+        text = (
+            f": rubber that slides does not flow, and the hardness is {contact['hardness']:g} Pa; leave it "
+            "out, or state that of the face, in bodies"
+        )
+        yield _mistake("sliding.speed", text)
     if [*speeds] != sorted({*speeds}):
         yield _mistake("sliding.speed", ": give each speed once, in rising order")
 

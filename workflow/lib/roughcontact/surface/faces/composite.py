@@ -16,7 +16,8 @@ from roughcontact.surface.levelling.polynomial import fit_polynomial
 from roughcontact.surface.levelling.rejected import restore_rejected
 from roughcontact.surface.roughness.heights import height_parameters
 from roughcontact.surface.roughness.record import record_summit
-from roughcontact.surface.window.band import lateral_period_limit, reliable_wavelength
+from roughcontact.surface.window.band import reliable_wavelength
+from roughcontact.surface.window.instrument import OF_ONE_FACE, instrument_of_sum
 
 # attributes taken from the face with the larger row jitter
 _ROW_ATTRIBUTES = ("row_jitter", "row_jitter_evidence", "line_alignment", "line_alignment_by")
@@ -177,7 +178,8 @@ def _attributes(lower: Face, upper: Face, on_filled: np.ndarray) -> dict:
     # the sum has the rows of the worse face
     with_jitter = max(attrs_of_faces, key=lambda attrs: attrs.get("row_jitter", 0.0))
     steps = [attrs["quantisation_step"] for attrs in attrs_of_faces if "quantisation_step" in attrs]
-    instrument = _instrument_of_sum([*map(Instrument.read, attrs_of_faces)])
+    instruments = [*map(Instrument.read, attrs_of_faces)]
+    one, other = ({*each.properties()} for each in instruments)
     # the sum resolves what the coarser face does
     coarser = max((lower, upper), key=lambda face: reliable_wavelength(face.height)[0])
     of_lower = Instrument.read(lower_attrs).attributes()
@@ -196,28 +198,6 @@ def _attributes(lower: Face, upper: Face, on_filled: np.ndarray) -> dict:
         "largest_hole": max(attrs.get("largest_hole", 0) for attrs in attrs_of_faces),
         # each face lies within half of its step
         **({"quantisation_step": sum(steps)} if steps else {}),
-        **instrument.attributes(),
+        **instrument_of_sum(instruments).attributes(),
+        **({OF_ONE_FACE: " ".join(sorted(one ^ other))} if one ^ other else {}),
     }
-
-
-def _instrument_of_sum(instruments: Sequence[Instrument]) -> Instrument:
-    """Return what is stated of the instruments of two faces for their sum, which shows what both show."""
-
-    def stated(name: str) -> list[float]:
-        return [value for instrument in instruments if (value := getattr(instrument, name)) is not None]
-
-    largest = ("resolution", "tip_radius", "amplification_z", "amplification_xy", "lateral_period_limit")
-    lenses = [instrument for instrument in instruments if instrument.numerical_aperture]
-    coarsest = max(lenses, key=_period_limit, default=Instrument())
-    return Instrument(
-        # independent noises add in squares
-        noise=math.hypot(*stated("noise")) if stated("noise") else None,
-        numerical_aperture=coarsest.numerical_aperture,
-        wavelength=coarsest.wavelength,
-        **{name: max(stated(name), default=None) for name in largest},
-    )
-
-
-def _period_limit(instrument: Instrument) -> float:
-    """Return the wavelength (m) of which the lens of an instrument passes half."""
-    return lateral_period_limit(instrument.numerical_aperture or math.inf, instrument.wavelength)

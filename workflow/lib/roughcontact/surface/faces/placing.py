@@ -32,6 +32,7 @@ _SEARCHED_POINTS = 48  # along the shorter side of the fine map where all angles
 _SEARCHED_SHIFT = 0.8  # pixels by which its edges move from one angle or scale to the next
 _SHOWN_ANGLE, _SHOWN_STRETCH = 0.1, 0.005  # in words
 _LEAST_SHIFT = 0.2  # pixels, the last step of the search
+_ROUNDING = 1e-3  # pixels, by which the rounding of coordinates makes a side shorter
 _CORRELATED_POINTS = 9  # neighbours in a residual, which are one independent point
 _SIGNIFICANT = 4.0  # standard deviations by which another place is to fit worse
 
@@ -220,11 +221,11 @@ def best_place(fine: xr.DataArray, overview: xr.DataArray) -> Place:
         step = step / (2 if nearest == best else 1)
         best = nearest
     surface = search.correlations(best)
-    shift, shares = _peak(surface, search.shape(best))
+    shift, shares = _peak(surface, search.shape)
     origin = [float(overview[axis][0]) for axis in "yx"]
     y, x = (
         start + d * (offset + (n - 1) / 2)
-        for start, d, offset, n in zip(origin, steps, shift, search.shape(best), strict=True)
+        for start, d, offset, n in zip(origin, steps, shift, search.shape, strict=True)
     )
     return Place(y, x, float(best[0]), float(best[1]), float(surface.max()), float(max(shares)))
 
@@ -232,7 +233,8 @@ def best_place(fine: xr.DataArray, overview: xr.DataArray) -> Place:
 def _around(overview: xr.DataArray, fine: xr.DataArray, near: tuple[float, float]) -> xr.DataArray:
     """Return the part of an overview in which a map may lie whose middle is stated (x, y; m)."""
     sides = np.array(side_lengths(fine))
-    part = part_around(overview, near[::-1], sides * (1 + 2 * MAX_UNCERTAINTY))
+    # the template is as small as the map may be
+    part = part_around(overview, near[::-1], sides * (1 - _MAX_SCALING + 2 * MAX_UNCERTAINTY))
     for axis, middle, side, length in zip("yx", near[::-1], sides, side_lengths(part), strict=True):
         if length < side:
             name = overview.attrs.get("source_file") or "the overview"
@@ -266,7 +268,7 @@ def shown_by(fine: xr.DataArray, overview: xr.DataArray) -> xr.DataArray:
     >>> bool(np.allclose(shown_by(fine, fine.coarsen(y=4, x=4).mean()), fine.coarsen(y=4, x=4).mean()))
     True
     """
-    search = _Search(fine, overview, form_order(fine))
+    search = _Search(fine, overview, form_order(fine), largest=1.0)
     return height_map(search.template((0.0, 1.0)), spacing(overview)).assign_attrs(fine.attrs)
 
 
@@ -328,9 +330,15 @@ def _neighbours(middle: tuple[float, float], step: np.ndarray) -> Iterator[tuple
 
 
 class _Search:
-    """Correlations of a fine map with an overview, whose transforms are kept."""
+    """Correlations of a fine map with an overview, whose transforms are kept.
 
-    def __init__(self, fine: xr.DataArray, overview: xr.DataArray, order: int):
+    The template has one `shape` (ny, nx; points of the overview) at all angles and scales, that of the
+    smallest: otherwise its middle would fall between the points at some of them, which would fit worse.
+    """
+
+    def __init__(
+        self, fine: xr.DataArray, overview: xr.DataArray, order: int, *, largest: float = 1 - _MAX_SCALING
+    ):
         self._steps, self._fine_steps, self._order = spacing(overview), spacing(fine), order
         widths = [max(1, round(d / f)) for d, f in zip(self._steps, self._fine_steps, strict=True)]
         # as the overview averages over its pixels
@@ -340,16 +348,12 @@ class _Search:
         image = overview.values - overview.values.mean()
         self._size, self._points = image.shape, [scipy.fft.next_fast_len(n, real=True) for n in image.shape]
         self._image, self._squares = (scipy.fft.rfft2(field, self._points) for field in (image, image**2))
-        self._norms: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}
         self._heights: dict[tuple[float, float], float] = {}
-        half = max(self.shape((0.0, 1.0))) / 2
+        sides = zip(fine.shape, self._fine_steps, self._steps, strict=True)
+        self.shape = tuple(int(n * f * largest / d + _ROUNDING) for n, f, d in sides)
+        half = max(self.shape) / 2
         self.strides = np.degrees(_SEARCHED_SHIFT / half), _SEARCHED_SHIFT / half  # of angle and scale
-
-    def shape(self, pose: tuple[float, float]) -> tuple[int, int]:
-        """Return the points (ny, nx) of the fine map in the overview at an angle and a scale."""
-        steps = zip(self._fine.shape, self._fine_steps, self._steps, strict=True)
-        ny, nx = (int(n * f * pose[1] / d) for n, f, d in steps)
-        return ny, nx
+        self._norm, self._forms = self._norm_and_forms()
 
     def height(self, pose: tuple[float, float]) -> float:
         """Return the largest correlation at an angle (degree) and a scale."""
@@ -358,22 +362,18 @@ class _Search:
         return self._heights[pose]
 
     def correlations(self, pose: tuple[float, float]) -> np.ndarray:
-        """Return the correlation at every shift for which the map lies within the overview."""
-        template, shape = self.template(pose), self.shape(pose)
-        if shape not in self._norms:
-            self._norms[shape] = self._norm(shape)
-        norm, basis = self._norms[shape]
+        """Return the correlation at every shift for which the template lies within the overview."""
+        template = self.template(pose)
         # each place is levelled as the map was: forms do not count as likeness
-        template -= basis.T.reshape(*shape, -1) @ (basis @ template.ravel())
+        template -= self._forms.T.reshape(*self.shape, -1) @ (self._forms @ template.ravel())
         template /= np.linalg.norm(template) or 1.0  # a flat map correlates with nothing
-        return self._over_image(self._image, template) / norm
+        return self._over_image(self._image, template) / self._norm
 
     def template(self, pose: tuple[float, float]) -> np.ndarray:
         """Return the fine map on points of the overview, turned and stretched about its middle."""
         angle, scale = np.radians(pose[0]), pose[1]
         y, x = (
-            (np.arange(n) - (n - 1) / 2) * d / scale
-            for n, d in zip(self.shape(pose), self._steps, strict=True)
+            (np.arange(n) - (n - 1) / 2) * d / scale for n, d in zip(self.shape, self._steps, strict=True)
         )
         y, x = np.meshgrid(y, x, indexing="ij")
         turned = y * np.cos(angle) - x * np.sin(angle), x * np.cos(angle) + y * np.sin(angle)
@@ -383,26 +383,26 @@ class _Search:
         ]
         return scipy.ndimage.map_coordinates(self._fine, where, order=1, mode="nearest")
 
-    def _norm(self, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    def _norm_and_forms(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the norm of the overview less its form at every shift, and the forms (term, point)."""
-        y, x = np.meshgrid(*(np.linspace(-1, 1, n) for n in shape), indexing="ij")
+        y, x = np.meshgrid(*(np.linspace(-1, 1, n) for n in self.shape), indexing="ij")
         powers = [(i, j) for i in range(self._order + 1) for j in range(self._order + 1 - i)]
         forms = np.linalg.qr(np.column_stack([(y**i * x**j).ravel() for i, j in powers]))[0].T
-        squares = self._over_image(self._squares, np.ones(shape))
+        squares = self._over_image(self._squares, np.ones(self.shape))
         tiny = 1e-9 * float(squares.max())  # a flat place correlates with nothing
         for form in forms:
-            squares = squares - self._over_image(self._image, form.reshape(shape)) ** 2
+            squares = squares - self._over_image(self._image, form.reshape(self.shape)) ** 2
         return np.sqrt(np.maximum(squares, tiny)), forms
 
     def _over_image(self, image: np.ndarray, template: np.ndarray) -> np.ndarray:
         """Return the sum of products of a template with the transformed image at every shift."""
         products = scipy.fft.irfft2(image * scipy.fft.rfft2(template, self._points).conj(), self._points)
-        # only shifts at which the whole map lies within the overview
+        # only shifts at which the whole template lies within the overview
         ny, nx = (n - m + 1 for n, m in zip(self._size, template.shape, strict=True))
         return products[:ny, :nx]
 
 
-def _peak(surface: np.ndarray, shape: tuple[int, int]) -> tuple[list[float], list[float]]:
+def _peak(surface: np.ndarray, shape: Sequence[int]) -> tuple[list[float], list[float]]:
     """Return the shift (y, x; points) of the best fit, and how far places reach that fit no worse, by side.
 
     The residual 1 - r^2 of a place of n independent points scatters by the root of 4/n of itself.

@@ -1,7 +1,8 @@
 """What is stated of an instrument, and the arguments of the window where its map is corrected for it."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 import xarray as xr
@@ -10,8 +11,10 @@ from roughcontact.arguments.kinds import facts_of, number_of_faces, properties_o
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.errors import SettingsError
-from roughcontact.surface.window.band import numerical_aperture
+from roughcontact.surface.window.band import lateral_period_limit, numerical_aperture
 from roughcontact.surface.window.transfer import CORRECTED, noise_that_remains
+
+OF_ONE_FACE = "instrument_of_one_face"  # attribute of a pair: what is stated of one of its faces alone
 
 
 def window_arguments(height: xr.DataArray, settings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
@@ -78,13 +81,40 @@ def stated_instrument(height: xr.DataArray, settings: Mapping[str, Any] | None) 
     >>> stated_instrument(height, {"noise": 2e-9, "tip_radius": None})
     {'noise': 1e-09}
     """
-    values = dict(settings or {})
+    values, of_map = dict(settings or {}), Instrument.read(height.attrs)
+    of_face = Instrument(**{entry.name: values.get(entry.name) for entry in fields(Instrument)})
+    of_pair = instrument_of_sum([of_map, of_face]).properties()
     if values.get("noise"):  # the heights of a pair are a sum
         values["noise"] *= math.sqrt(number_of_faces(height.attrs))
     of_file = numerical_aperture(json_attribute(height.attrs, "instrument"))
-    values |= Instrument.read(height.attrs).properties()
+    values |= of_map.properties()
+    # of the other face the settings are
+    values |= {name: of_pair.get(name) for name in height.attrs.get(OF_ONE_FACE, "").split()}
     counts = values.get("correct") and of_file
     # the lens of the file counts only where nobody states another limit
     if counts and not any(values.get(key) for key in ("numerical_aperture", "resolution", "tip_radius")):
         values["numerical_aperture"] = of_file
     return {key: value for key, value in values.items() if value is not None and key != "correct"}
+
+
+def instrument_of_sum(instruments: Sequence[Instrument]) -> Instrument:
+    """Return what is stated of the instruments of two faces for their sum, which shows what both show."""
+
+    def stated(name: str) -> list[float]:
+        return [value for instrument in instruments if (value := getattr(instrument, name)) is not None]
+
+    largest = ("resolution", "tip_radius", "amplification_z", "amplification_xy", "lateral_period_limit")
+    lenses = [instrument for instrument in instruments if instrument.numerical_aperture]
+    coarsest = max(lenses, key=_period_limit, default=Instrument())
+    return Instrument(
+        # independent noises add in squares
+        noise=math.hypot(*stated("noise")) if stated("noise") else None,
+        numerical_aperture=coarsest.numerical_aperture,
+        wavelength=coarsest.wavelength,
+        **{name: max(stated(name), default=None) for name in largest},
+    )
+
+
+def _period_limit(instrument: Instrument) -> float:
+    """Return the wavelength (m) of which the lens of an instrument passes half."""
+    return lateral_period_limit(instrument.numerical_aperture or math.inf, instrument.wavelength)
