@@ -721,3 +721,12 @@ def test_a_named_column_without_cells_and_a_section_are_no_columns(read):
         holds_nm(read(f"{above}x [µm];z [nm];Comment\n{rows}"), ONE[:1])
     column = cells(ONE[:1].T)
     holds_nm(read(f"[Profile]\nStep x: 0.5 µm\nZ unit: nm\n[Data]\n{column}"), ONE[:1])
+
+
+def test_a_column_of_the_points_of_a_map_is_no_profile(read, refused):
+    column = cells(ONE.reshape(-1, 1))
+    refused(
+        f"pixel size: 0.5 µm\nheights in nm\n10 x 8 points\n{column}", "says 10 x 8 points: write each row"
+    )
+    head = "Points: 80\nNumber of points: 80\npixel size: 0.5 µm\nheights in nm\n"
+    assert read(head + column).shape == (1, 80)

@@ -408,6 +408,11 @@ def _is_stated_matrix(values: np.ndarray, stated: Stated) -> bool:
 def _refuse_cut_table(shape: tuple[int, ...], counts: list[int]) -> None:
     """Refuse a table with fewer rows than the file states: their number, or those along both sides."""
     rows, columns = shape
+    if columns == 1 < min(counts, default=1) and len(counts) == 2 and counts[0] * counts[1] == rows:
+        raise InputFileError(
+            f"a column of {rows} numbers, where the file says {counts[0]:g} x {counts[1]:g} points: write "
+            "each row of the map into one line"
+        )
     if len(counts) == 2 and sorted(counts) != sorted(shape) and counts[0] * counts[1] != rows:
         raise InputFileError(
             f"the line above the table says {counts[0]:g} and {counts[1]:g}, the table has {rows} rows of "
