@@ -41,7 +41,7 @@ _TWO_SIDES = re.compile(
     rf"([^\d:=]*?[^\W\d])\W*?[\s:=]\s*((?:{_SIDE}\b\s*[=:]?\s*)?[-+.\d].*)", re.IGNORECASE
 )
 _BEFORE_A_NUMBER = re.compile(r"([^\d;,]*[^\W\d])\s+([\[(]?[-+.]?\d.*)")
-_OF_AXES = meanings("axis")
+_AXIS = meanings("axis")
 _NO_HEADINGS = re.compile(r"[^(\[/]*(?::|\b(?:and|und|et)\b)[^(\[/]*")
 # between the entries of a line, not within brackets
 _PIECES = re.compile(r"[;,]\s+(?=[^\W\d]|\d+\s*(?:[x×]\s*\d+)?\s+[^\W\d])(?![^(\[]*[)\]])")
@@ -278,30 +278,19 @@ def _units_of_axes(text: str) -> list[tuple[str, str]]:
     >>> _units_of_axes("x, y: mm; z: nm"), _units_of_axes("Units: mm, nm"), _units_of_axes("x (mm), z (nm)")
     ([('lateral unit', 'mm'), ('height unit', 'nm')], [('lateral unit', 'mm'), ('height unit', 'nm')], [])
     """
-    if len(text) >= _MAX_PHRASE or re.search(r"\d", text):
+    tokens = re.findall(r"[^\W\d_]+", text) if len(text) < _MAX_PHRASE and not re.search(r"\d", text) else []
+    units = [token for token in tokens if is_length(token) and token != "in"]
+    signs = ("1" if token in units else _AXIS.get(_PART.get(token.lower(), ""), "?") for token in tokens)
+    order = "".join(signs).replace("-", "")  # x: along x or y; z: height; u: the word unit; 1: one of length
+    no_headings = "u" in order or "xx" in order or _NO_HEADINGS.fullmatch(text)
+    if re.fullmatch("u+(x+z+)?u*11+", order) and len(units) <= 3 and same_length(units[0], units[-2]):
+        axes = ["x"] * (len(units) - 1) + ["z"]
+    elif re.fullmatch("(u*x+u*1u*)+(u*z+u*1u*)+", order) and no_headings:
+        axes = re.findall("([xz])u*1", order)
+    else:
         return []
-    units: list[str] = []
-    axes: list[list[str]] = [[]]  # of the first unit, the second ..., and behind the last
-    says_units = False
-    for token in re.findall(r"[^\W\d_]+", text):
-        kind = _PART.get(token.lower(), "")
-        if is_length(token) and token != "in":
-            units.append(token)
-            axes.append([])
-        elif kind in _OF_AXES:
-            axes[-1] += [_OF_AXES[kind]] * (_OF_AXES[kind] != "none")
-            says_units = says_units or kind == "unit"
-        else:
-            return []
-    if says_units and 2 <= len(units) <= 3 and not any(axes[1:]) and len({*axes[0]}) != 1:
-        keys = ["lateral unit"] * (len(units) - 1) + ["height unit"]
-        return [*zip(keys, units, strict=True)] if same_length(units[0], units[-2]) else []
-    entries = [
-        (key, unit) for keys, unit in zip(axes[:-1], units, strict=True) for key in dict.fromkeys(keys)
-    ]
-    lateral_first = [key for key, _ in entries] == sorted((key for key, _ in entries), reverse=True)
-    no_headings = says_units or max(map(len, axes)) > 1 or _NO_HEADINGS.fullmatch(text)
-    return entries if len(units) > 1 and all(axes[:-1]) and lateral_first and no_headings else []
+    keys = {"x": "lateral unit", "z": "height unit"}
+    return [(keys[axis], unit) for axis, unit in zip(axes, units, strict=True)]
 
 
 @cache
