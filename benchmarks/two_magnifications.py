@@ -41,8 +41,9 @@ from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.uncertainty import calibration as calibrated
 from roughcontact.uncertainty import overview
 from roughcontact.uncertainty.calibration import JOINT
-from roughcontact.uncertainty.ensemble import solve_member
+from roughcontact.uncertainty.ensemble import measured_slices, solve_member
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, PEAK, from_scale, to_scale
+from roughcontact.uncertainty.subwindows import gradient_scatter
 
 JUDGED = (0.02, 0.1, 0.4)  # of E* times the rms gradient of the whole map
 LOADS = (0.005, 0.02, 0.05, 0.1, 0.2, 0.4, 1.0)  # of the windows of an overview
@@ -65,15 +66,17 @@ BANK = [RESULTS / f"{name}.csv" for name in ("fine", "overviews", "elsewhere")]
 
 
 def evaluated(height, loads: np.ndarray) -> dict | None:
-    """Return results (load) on their scales, rms gradient and Sq of a map by default settings (E* = 1)."""
+    """Return results (load) on their scales, rms gradient, its scatter and Sq of a map, E* being 1."""
     try:
-        window = rc.periodic_window(rc.level(height))
+        levelled = rc.level(height)
+        window = rc.periodic_window(levelled)
         values = solve_member(window, {"contact_modulus": 1.0, "mean_pressure": loads}, names=NAMES)
     except RoughContactError:
         return None
     with np.errstate(all="ignore"):
         results = {name: to_scale(name, values[name]).tolist() for name in NAMES}
-    return results | {"gradient": float(rms_gradient(window)), "Sq": float(window.values.std())}
+    results |= {"gradient": float(rms_gradient(window)), "Sq": float(window.values.std())}
+    return results | {"scatter": gradient_scatter(levelled.isel(measured_slices(levelled, window)))}
 
 
 def merged(height, factor: int):
@@ -184,6 +187,7 @@ def rows_of(record: dict) -> tuple[list[dict], list[dict], list[dict]]:
     fine = [
         first
         | {"part": number, "load": load, "gradient": part["gradient"], "Sq": part["Sq"]}
+        | {"scatter": part["scatter"]}
         | {name: part[name][index] for name in NAMES}
         for number, part in [*enumerate(parts), (WHOLE, map_record)]
         for index, load in enumerate(JUDGED)
@@ -270,7 +274,7 @@ def errors_of(
             else:
                 truths = others if measurand == "next" else others.mean(keepdims=True)
             base = {"map": key, "kind": part.kind, "load": load, "part": part.part, "Sq": part.Sq}
-            base |= {"area": getattr(part, AREA), "value": values[index]}
+            base |= {"area": getattr(part, AREA), "value": values[index], "scatter": part.scatter}
             tables += [base | {"alone": truth - values[index]} for truth in truths]
     alone = pd.DataFrame(tables)
     change = JOINT if measurand == JOINT else "surface"
@@ -287,8 +291,8 @@ def _weighted(errors: pd.DataFrame, by: list[str]) -> pd.DataFrame:
 
 
 def size_of(errors: pd.DataFrame, measurand: str) -> np.ndarray:
-    """Return the expected size of errors, from the overview alone."""
-    shown = (errors[key].to_numpy() for key in ("change", "octave", "places"))
+    """Return the expected size of errors, from what overview and map show."""
+    shown = (errors[key].to_numpy() for key in ("change", "octave", "places", "scatter"))
     return overview.expected_size(measurand, *shown)
 
 
@@ -456,7 +460,7 @@ def promise(fine: pd.DataFrame, overviews: pd.DataFrame) -> tuple[list[float], p
         alone.append(float(sum(calibrated.arms("surface", AREA, features, area))[0]) / 2)
         _, *arms = calibrated.overview_arms("surface", AREA, FACTORS[1], area)
         shown = (np.array([getattr(row, f"{AREA}_{key}")]) for key in ("surface", "octave", "places"))
-        size = overview.expected_size("surface", *shown)
+        size = overview.expected_size("surface", *shown, features["gradient"])
         both.append(float((sum(arms) * size)[0]) / 2)
     line = np.polyfit(np.log(alone), np.log(both), 1)[::-1]
     ratio = np.array(both) / np.exp(line[0] + line[1] * np.log(alone))

@@ -15,11 +15,11 @@ for it, or else the fine map with its pixels merged, whose lens is not that of t
 noise do not cancel, and the arms are those of such overviews of the bank. Several overviews are averaged.
 
 The error that is left goes with what coarser pixels change from place to place, which the overview shows
-with its own pixels merged 2 x 2, with the scatter of the places, and with the change itself. The arms are
-quantiles of the errors of a bank over this size (`benchmarks/two_magnifications.py`). They hold also where
-they are wider than those of the fine map alone: to take the narrower ones instead would hold in 87 % of the
-gaps at the heaviest load. The largest pressure is a matter of single points, of which an overview tells less
-than the map: it keeps its own.
+with its own pixels merged 2 x 2, with the scatter of the places, and with the change itself; less, with the
+scatter of the gradient within the fine map. The arms are quantiles of the errors of a bank over this size
+(`benchmarks/two_magnifications.py`). They hold also where they are wider than those of the fine map alone: to
+take the narrower ones instead would hold in 88 % of the gaps at the heaviest load. The largest pressure is a
+matter of single points, of which an overview tells less than the map: it keeps its own.
 """
 
 import math
@@ -47,6 +47,7 @@ OTHER_PLACES: tuple[Measurand, ...] = ("surface", "next", JOINT)
 _SHARE_OF_PLACES: dict[str, float] = dict(zip(OTHER_PLACES, (0.3, 1.0, 0.3), strict=True))
 MAX_PLACES = 5  # along each side: more tell little more, and cost
 _SHARE_OF_CHANGE = 0.3  # in the size: what an overview moves a result by, it moves it too far or not enough
+_POWER, _POWER_OF_GRADIENT = 0.8, 0.1  # in the size: of what an overview shows, and of the fine map's scatter
 _LEAST_SIZE = 0.05  # of a logarithm
 _SAME_PIXELS = 0.01  # relative difference
 
@@ -68,23 +69,33 @@ class View(NamedTuple):
     sees_map: bool  # whether the map is compared with its own place in it, or in another one of its pixels
     field: float  # area over that of the map
 
-    def numbers(self, measurand: Measurand, name: str, area: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Return by how much a result differs elsewhere, with arms down and up (load), on its scale."""
+    def numbers(
+        self, measurand: Measurand, name: str, area: np.ndarray, gradient: Any
+    ) -> tuple[np.ndarray, ...]:
+        """Return by how much a result differs elsewhere, with arms down and up (load), on its scale.
+
+        `gradient` is that of the features of the map.
+        """
         transfer = self.transfers[name]
         share, down, up = calibration.overview_arms(
             measurand, name, self.pixels, area, sees_map=self.sees_map
         )
         change = transfer.joint if measurand == JOINT else transfer.surface
-        size = expected_size(measurand, change, transfer.octave, transfer.places)
+        size = expected_size(measurand, change, transfer.octave, transfer.places, gradient)
         return share * change, down * size, up * size
 
 
 def expected_size(
-    measurand: Measurand, change: np.ndarray, octave: np.ndarray, places: np.ndarray
+    measurand: Measurand, change: np.ndarray, octave: np.ndarray, places: np.ndarray, gradient: Any
 ) -> np.ndarray:
-    """Return the expected size of an error from the numbers of a `Transfer`, on the scale."""
-    scatter = octave**2 + (_SHARE_OF_PLACES[measurand] * places) ** 2
-    return np.sqrt(scatter + (_SHARE_OF_CHANGE * change) ** 2 + _LEAST_SIZE**2)
+    """Return the expected size of an error from the numbers of a `Transfer`, on the scale.
+
+    `gradient` is ln of the scatter of the rms gradient that maps of the size of the fine one have
+    (`subwindows`).
+    """
+    square = octave**2 + (_SHARE_OF_PLACES[measurand] * places) ** 2
+    square += (_SHARE_OF_CHANGE * change) ** 2 + _LEAST_SIZE**2
+    return square ** (_POWER / 2) * np.exp(_POWER_OF_GRADIENT * gradient)
 
 
 def scatter_with_overviews(
@@ -208,7 +219,8 @@ def with_views(alone: Scatter, result: Result, views: Sequence[View]) -> Scatter
         ends = np.array(calibration.arms(key, name, alone.features[name], area, gap))
         centre = np.zeros(area.shape)
         if key in OTHER_PLACES:
-            shown = [view.numbers(key, name, area) for view in ([largest] if key == JOINT else views)]
+            telling, gradient = [largest] if key == JOINT else views, alone.features[name]["gradient"]
+            shown = [view.numbers(key, name, area, gradient) for view in telling]
             # NaN where all overviews, or the own place in them, are closed
             centre, *bounds = _combined(np.array(shown))
             centre, ends = np.nan_to_num(centre), np.where(np.isnan(bounds), ends, bounds)

@@ -75,7 +75,7 @@ def scatter_of_subwindows(
     }
     spread = np.hypot(np.std(deviations[AREA], axis=0, ddof=1), _MIN_SCATTER)
     common: Features = {
-        "gradient": _extrapolate_deviation(_gradient_variances(levelled_map.isel(region))),
+        "gradient": gradient_scatter(levelled_map.isel(region)),
         "lay": 0.5 if math.isnan(aspect) else aspect,
         "scatter": result.extend_to_loads(np.log(spread)),
     }
@@ -91,8 +91,11 @@ def _deviations(name: str, members: np.ndarray, result: np.ndarray) -> np.ndarra
     return to_scale(name, positive_members) - to_scale(name, positive)
 
 
-def _gradient_variances(height: xr.DataArray) -> dict[int, float]:
-    """Return number of pieces of a map (m) -> variance of ln(rms gradient) between them."""
+def gradient_scatter(height: xr.DataArray) -> float:
+    """Return ln of the scatter of ln(rms gradient) that maps (m) of its size are expected to have.
+
+    It is extrapolated from the variances between pieces of it.
+    """
     squares, steps = np.zeros([max(n - 1, 1) for n in height.shape]), spacing(height)
     number = max(1, _POINTS_IN_MEMORY // height.shape[1])
     for start in range(0, len(squares), number):  # a large map is read from its file a few rows at a time
@@ -110,11 +113,11 @@ def _gradient_variances(height: xr.DataArray) -> dict[int, float]:
             pieces = [half for piece in pieces for half in np.array_split(piece, cuts, axis=axis)]
         logarithms = [0.5 * math.log(max(piece.mean(), 1e-300)) for piece in pieces]
         variances[len(pieces)] = float(np.var(logarithms, ddof=1))
-    return variances
+    return _extrapolate_deviation(variances)
 
 
 def _extrapolate_deviation(variances: Mapping[int, float]) -> float:
-    """Return ln of the standard deviation that maps of this size are expected to have, from var(n) = a + b n.
+    """Return ln of the standard deviation that maps are expected to have, from variances var(n) = a + b n.
 
     Each variance has a relative error of sqrt(2/(n - 1)), and is weighted by its inverse.
     """
