@@ -262,7 +262,7 @@ def _shift(properties: Mapping[str, Any]) -> float:
             keys=["relaxation"],
         )
     try:
-        first, second = map(float, properties["wlf"])
+        c1, c2 = map(float, properties["wlf"])
         difference = celsius(properties["temperature"]) - celsius(properties["reference_temperature"])
     except (TypeError, ValueError) as error:
         text = ", ".join(f"{key} = {properties[key]!r}" for key in keys)
@@ -275,10 +275,10 @@ def _shift(properties: Mapping[str, Any]) -> float:
             "without a scale it is that of the reference, °C of a rubber by its name",
             keys=["relaxation"],
         )
-    if second + difference <= 0:
+    if c2 + difference <= 0:
         raise SettingsError(
             f"relaxation.temperature is {-difference:g} K below its reference, where the law of Williams, "
-            f"Landel and Ferry ends, at {second:g} K",
+            f"Landel and Ferry ends, at {c2:g} K",
             keys=["relaxation"],
         )
-    return float(10 ** (-first * difference / (second + difference)))
+    return float(10 ** (-c1 * difference / (c2 + difference)))

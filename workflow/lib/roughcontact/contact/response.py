@@ -89,17 +89,17 @@ def _response(
     if certify:
         del residual, steps
         correction -= contact.astype(precision) * correction.dtype.type(1 / contact.mean())  # now -x
-        displaced = grid.halfspace.displacement(correction)
-        energy = mean_product(correction, displaced)
-        displaced -= displaced[contact].mean(dtype=float)
-        displaced *= contact
-        continued = grid.interpolator(precision)
-        continued.prolong(displaced, continued.field)
-        missed = grid.halfspace.pressure_spectrum(continued.field)[1]
+        dent = grid.halfspace.displacement(correction)
+        energy = mean_product(correction, dent)
+        dent -= dent[contact].mean(dtype=float)
+        dent *= contact
+        extension = grid.interpolator(precision)
+        extension.prolong(dent, extension.field)
+        remainder = grid.halfspace.pressure_spectrum(extension.field)[1]
         rounding = float(np.finfo(precision).eps) * np.log2(contact.size)  # of two transforms
-        return energy * unit / elasticity.modulus, float(missed / energy + rounding)
+        return energy * unit / elasticity.modulus, float(remainder / energy + rounding)
     if yielded is not None and yielded.any():
         even = contact * correction.dtype.type(1 / contact.mean())
-        displaced = grid.halfspace.displacement(even - correction)
-        energy_lower_bound -= float((energy_lower_bound - displaced[yielded]).sum(dtype=float)) / yielded.size
+        dent = grid.halfspace.displacement(even - correction)
+        energy_lower_bound -= float((energy_lower_bound - dent[yielded]).sum(dtype=float)) / yielded.size
     return energy_lower_bound * unit / elasticity.modulus, np.nan

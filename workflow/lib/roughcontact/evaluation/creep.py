@@ -51,15 +51,15 @@ def with_creep(
     if not moduli:
         return statistics
     flows = statistics.get("load_share_above_hardness", xr.zeros_like(statistics[AREA])).values > 0
-    after = [evaluate(modulus) for modulus in moduli.values()]
+    later = [evaluate(modulus) for modulus in moduli.values()]
     columns = {
         f"{name}_after{suffix}": (
             ("load", "time"),
-            np.where(flows[:, None], np.nan, np.transpose([numbers[f"{name}{suffix}"] for numbers in after])),
+            np.where(flows[:, None], np.nan, np.transpose([numbers[f"{name}{suffix}"] for numbers in later])),
         )
         for name in CREEPING
         for suffix in ENDS
-        if f"{name}{suffix}" in after[0]
+        if f"{name}{suffix}" in later[0]
     }
     return statistics.assign(columns).assign_coords(time=[*moduli])
 

@@ -143,8 +143,8 @@ def evaluate(
     height = with_lay(height, lay, along)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
-        given = [overview] if isinstance(overview, str | PathLike | xr.DataArray) else overview or ()
-        overviews = with_positions(given, overview_position)
+        fields = [overview] if isinstance(overview, str | PathLike | xr.DataArray) else overview or ()
+        overviews = with_positions(fields, overview_position)
         result = run_chain(height, full, threads=threads, progress=progress, overviews=overviews)
     warn_of_map(result.window.shape, float(result.statistics["rms_gradient"]), stacklevel=3)
     return result.statistics

@@ -177,11 +177,11 @@ def complete_statistics(
     `window` (y, x; m) has the attributes of reading, levelling and windowing, `budget` the same loads;
     `solver` is from `solver_arguments` of its kind.
     """
-    kind, asked = kind_of(window, settings), settings["statistics"]
+    kind, options = kind_of(window, settings), settings["statistics"]
     # what a requirement is of, without what takes longer than the contact
-    of_requirement = {**asked, "stress": "never", "friction": None, "work_of_adhesion": None}
+    of_requirement = {**options, "stress": "never", "friction": None, "work_of_adhesion": None}
     # flow takes longer than the contact: only a leak needs it
-    if not (asked["requirement"] or {}).get("leak"):
+    if not (options["requirement"] or {}).get("leak"):
         of_requirement |= {"flow": "never", "seal": None}
 
     def at_roughness(factor: float, load: float) -> xr.Dataset:
@@ -196,8 +196,8 @@ def complete_statistics(
     complete = add_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
     complete = kind.with_corrected_sizes(complete, yielding)
     area = settings["contact"].get("area")
-    complete = with_allowed(add_overview_line(complete), asked, area=area)
-    complete = with_largest_roughness(complete, asked, at_roughness, area=area)
+    complete = with_allowed(add_overview_line(complete), options, area=area)
+    complete = with_largest_roughness(complete, options, at_roughness, area=area)
     result = add_verdicts(add_precision(complete).assign_attrs(_properties(window, settings)), window)
     return kind.add_improvement(result)
 

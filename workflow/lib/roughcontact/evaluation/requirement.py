@@ -74,8 +74,8 @@ def with_largest_roughness(
             continue
         limit = float(statistics[f"allowed_{name}"]) ** ALLOWED_VALUES[name].sense
         factors = [
-            _largest_factors(partial(logarithm, name=name, load=load), ends, limit)
-            for load, ends in zip(
+            _largest_factors(partial(logarithm, name=name, load=load), span, limit)
+            for load, span in zip(
                 statistics["mean_pressure"].values, compared_ends(statistics, name).T, strict=True
             )
         ]
@@ -85,12 +85,12 @@ def with_largest_roughness(
     return statistics.assign(columns)
 
 
-def _largest_factors(logarithm: Callable[[float], float], ends: Sequence[float], limit: float) -> list[float]:
+def _largest_factors(logarithm: Callable[[float], float], span: Sequence[float], limit: float) -> list[float]:
     """Return the factors at which a number reaches its limit: by its value, its upper and its lower end.
 
     `logarithm` is that of the number by that of the factor, with which it rises.
     """
-    value, lower, upper = ends
+    value, lower, upper = span
     points = {0.0: logarithm(0.0)}
     with np.errstate(divide="ignore", invalid="ignore"):
         # what the solution without corrections has to reach; where nothing leaks yet, the limit itself

@@ -418,10 +418,10 @@ def _peak(surface: np.ndarray, shape: Sequence[int]) -> tuple[list[float], list[
     shift = []
     for axis, middle in enumerate(best):
         line = np.moveaxis(surface, axis, 0)[:, best[1 - axis]]
-        before, after = (
+        left_value, right_value = (
             line[middle + side] if 0 <= middle + side < line.size else np.nan for side in (-1, 1)
         )
-        curvature = before - 2 * line[middle] + after
+        curvature = left_value - 2 * line[middle] + right_value
         # a parabola through three points
-        shift.append(float(middle + (0.5 * (before - after) / curvature if curvature < 0 else 0.0)))
+        shift.append(float(middle + (0.5 * (left_value - right_value) / curvature if curvature < 0 else 0.0)))
     return shift, shares

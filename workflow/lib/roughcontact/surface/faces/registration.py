@@ -87,12 +87,12 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
         )
     cuts = {}
     for row, axis in enumerate("yx"):
-        first, last = (
+        starts, stops = (
             [float(field[axis][edge]) + shifts[key][row] for key, field in maps.items()] for edge in (0, -1)
         )
         step = spacing(height)[row]
-        points = min(height.sizes[axis], round((min(last) - max(first)) / step) + 1)
-        start = round((max(first) - shifts[name][row] - float(height[axis][0])) / step)
+        points = min(height.sizes[axis], round((min(stops) - max(starts)) / step) + 1)
+        start = round((max(starts) - shifts[name][row] - float(height[axis][0])) / step)
         # rounding may be off by a pixel at either end
         start = min(max(start, 0), height.sizes[axis] - points)
         cuts[axis] = slice(start, start + points)
