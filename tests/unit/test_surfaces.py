@@ -136,7 +136,7 @@ def test_all_mistakes_at_once(table):
         "line 3, dx = '0,5': ",
         "line 3, dy = '-1'",
         "line 4: 5 cells, the header has 4",
-        "line 5, surface = d: occurs twice",
+        f"line 5, surface = d: occurs twice (also {path}, line 4); rename one",
         "line 5, dx = 'inf'",
     ):
         assert f"\n  {part}" in message
@@ -257,11 +257,6 @@ def test_pitches_may_carry_their_unit(table):
     arguments_by_name = {name: surface.read_arguments for name, surface in read_surfaces(path).items()}
     assert arguments_by_name["a"] == {"unit": "mm", "dx": "1.5 um", "dy": 2.0}
     assert arguments_by_name["b"] == {"dx": 3.0, "dy": "0.5 µm"}
-
-
-def test_a_name_that_stands_twice_is_named_with_its_first_line(table):
-    path = table("surface\tpath", "a\ta.txt", "a\tb.txt")
-    assert f"line 3, surface = a: occurs twice (also {path}, line 2); rename one" in mistakes(path)
 
 
 def test_names_that_are_one_folder_on_other_systems_are_named(table):

@@ -105,11 +105,6 @@ def test_a_broken_surface_stops_itself_alone(project):
                 "contact.mean_pressure = []",
             ],
         ),
-        (
-            SETTINGS,
-            [HEADER.replace("path", "file"), GOOD],
-            ["surfaces.tsv", "column 'file': unknown", "'path': missing"],
-        ),
         (SETTINGS | {"surfaces": "no.tsv"}, TABLE, ["table of surfaces no.tsv: no such file"]),
         (
             SETTINGS | {"statistics": {"gap_bins": 0}},
