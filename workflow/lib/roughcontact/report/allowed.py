@@ -29,7 +29,7 @@ def allowed_in_words(numbers: Numbers, name: str, index: int) -> str:
     """
     allowed, holds = ALLOWED_VALUES[name], float(numbers[f"{name}_holds"][index])
     subject = " ".join(filter(None, [allowed.words, _total_in_words(numbers, name, index)]))
-    word, link = {1.0: (HOLDS, ""), 0.0: (FAILS, "would ")}.get(holds, (NOT_DECIDED, "would be "))
+    word, link = {1.0: (HOLDS, ""), 0.0: (FAILS, "would hold ")}.get(holds, (NOT_DECIDED, "would be "))
     sentence = f"{subject} {limit_in_words(numbers, name)}: {word}, {link}{_load_in_words(numbers, name)}"
     return f"{sentence}{_roughness_in_words(numbers, name, index)}"
 
