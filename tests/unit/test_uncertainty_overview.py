@@ -203,7 +203,9 @@ def test_a_body_of_finite_size_has_no_overview(field):
 
 def test_a_place_differs_from_itself_by_nothing_that_an_overview_shows(answers):
     alone, both = answers
-    for pair in (answers, answers[::-1]):
+    # in the file of a run a map has the variables of all others
+    alone = alone.assign({name: np.nan * alone["mean_gap"] for name in both if name.endswith("_alone")})
+    for pair in ((alone, both), (both, alone)):
         compared, _ = compare_maps({("a", "b"): pair}, of_place=[("a", "b")])
         table = compared["a", "b"].sel(quantity=[*NAMES, "mean_contact_pressure"])
         assert table["ratio"].values == pytest.approx(1, abs=1e-6)
@@ -211,7 +213,7 @@ def test_a_place_differs_from_itself_by_nothing_that_an_overview_shows(answers):
         assert (table["ratio_upper"] >= 1).all()
     corrections = [
         uncertainty_table(each).query("quantity == 'mean_gap'").set_index(["mean_pressure_Pa", "source"])
-        for each in answers
+        for each in (alone, both)
     ]
     of_pixels, of_places = (
         [table["correction"].xs(source, level="source").values for table in corrections]

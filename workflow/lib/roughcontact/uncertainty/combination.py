@@ -169,6 +169,7 @@ def _rows(values: Mapping[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
         side[:, -1] = np.sqrt(np.sum(np.where(present & ~is_total, side, 0.0) ** 2, axis=1))
     # what the overview shows of other places is not of the pixels
     of_map = values.get(f"{name}_alone", estimate[:, 0])[:, None]
+    of_map = np.where(np.isnan(of_map), estimate, of_map)  # of a map beside others with an overview
     of_pixels = of_map - values.get(f"{name}_as_solved", of_map[:, 0])[:, None]
     of_places = np.where(source == "window", estimate - of_map, 0.0)
     columns = {

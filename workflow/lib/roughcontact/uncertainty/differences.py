@@ -210,7 +210,8 @@ def _at_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[x
 
 def _value(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarray:
     """Return a quantity (load) on its scale; of this place alone without what an overview shows of others."""
-    return to_scale(name, data[f"{name}_alone" if of_place and f"{name}_alone" in data else name].values)
+    alone = data.get(f"{name}_alone", data[name])  # NaN of a map beside others with an overview
+    return to_scale(name, (alone.fillna(data[name]) if of_place else data[name]).values)
 
 
 def _widths(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarray:
