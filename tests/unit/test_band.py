@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 from known_surfaces import self_affine
 
-from roughcontact.arguments.maps import height_map
-from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.surface.levelling.level import level
+from roughcontact import HeightMapError, SettingsError, height_map, level, periodic_window
 from roughcontact.surface.roughness import parameters
 from roughcontact.surface.window.band import limit_band, reliable_wavelength
-from roughcontact.surface.window.periodic_window import periodic_window
 
 
 def three_waves():

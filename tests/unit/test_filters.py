@@ -8,11 +8,8 @@ from known_surfaces import self_affine
 from scipy import ndimage
 from shared_data import DATA
 
-from roughcontact.arguments.maps import height_map
-from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.io.read import read_height_map
+from roughcontact import HeightMapError, SettingsError, height_map, level, read_height_map
 from roughcontact.surface.levelling.filters import gaussian_mean_surface
-from roughcontact.surface.levelling.level import level
 
 # Plane removed, Gaussian low-pass of surfalize 0.19.2 (heights read by SurfaceTopography 1.27.1): nesting
 # index, m, and the mean surface, m, in the middle [ny//2, nx//2] and at (+20, -30) and (-40, +10) from there.

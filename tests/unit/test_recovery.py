@@ -4,13 +4,8 @@ import numpy as np
 import pytest
 from known_surfaces import self_affine
 
-from roughcontact.arguments.maps import height_map
-from roughcontact.contact.solve import solve_contact
-from roughcontact.statistics.contact_statistics import contact_statistics
-from roughcontact.surface.levelling.level import level
+from roughcontact import contact_statistics, error_budget, height_map, level, periodic_window, solve_contact
 from roughcontact.surface.roughness.parameters import rms_gradient
-from roughcontact.surface.window.periodic_window import periodic_window
-from roughcontact.uncertainty.budget import error_budget
 
 PITCH, MODULUS, POINTS = 1e-6, 1e9, 256
 LEVEL = {"form": "polynomial", "order": 2, "line_alignment": "matched-steps", "s_filter": 2e-6}

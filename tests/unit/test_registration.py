@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from roughcontact import HeightMapError, height_map, self_affine_surface
+from roughcontact import HeightMapError, height_map, level, periodic_window, self_affine_surface
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.surface.faces.registration import common_part
-from roughcontact.surface.levelling.level import level
-from roughcontact.surface.window.periodic_window import periodic_window
 
 PITCH = 1e-6
 SIDE = 128  # points

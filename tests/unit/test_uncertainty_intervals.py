@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 from known_surfaces import contact, self_affine, surface
 
-from roughcontact.arguments.maps import height_map
-from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import SettingsError
-from roughcontact.surface.levelling.level import level
-from roughcontact.surface.window.periodic_window import periodic_window
-from roughcontact.uncertainty.budget import error_budget
+from roughcontact import SettingsError, error_budget, height_map, level, periodic_window, solve_contact
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.scales import AREA, GAP, PEAK, PRESSURE, QUANTITIES, from_scale, to_scale
 
