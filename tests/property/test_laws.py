@@ -150,7 +150,7 @@ NO_NUMBER |= {
 }
 ENDINGS = (
     # of an interval or a magnification curve, of the same kind as its number
-    r"_(uncertainty|((map|next|joint|octave|next_part|alone)_)?(lower|upper)|joint|of_maps|parts|half_way|as_solved|estimate|at_cutoff"
+    r"_(uncertainty|((map|next|joint|octave|next_part|alone)_)?(lower|upper)|joint|alone|of_maps|parts|half_way|as_solved|estimate|at_cutoff"
     r"|components|as_measured)$"
 )
 

@@ -387,7 +387,7 @@ NOT_NEUTRAL = {
     "instrument.correct": {"instrument.noise", "instrument.tip_radius"},  # they limit what is corrected
 }
 # of members, which are solved less exactly
-ENDINGS = ("lower", "upper", "uncertainty", "estimate", "components", "parts", "known", "joint")
+ENDINGS = ("lower", "upper", "uncertainty", "estimate", "components", "parts", "known", "joint", "alone")
 
 
 def by_members(name):
