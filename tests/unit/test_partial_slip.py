@@ -123,7 +123,7 @@ def test_what_has_no_meaning_is_refused(rough):
     for load in ("5 N", 0.0, [], None):
         with pytest.raises(rc.SettingsError, match=r"tangential_load .* 1 is full slip"):
             rc.partial_slip(normal, friction_coefficient=0.3, tangential_load=load)
-    with pytest.raises(rc.SettingsError, match=r"poissons_ratio = 'steel': must lie above -1"):
+    with pytest.raises(rc.SettingsError, match=r"poissons_ratio = 'steel': give a number"):
         rc.partial_slip(normal, friction_coefficient=0.3, tangential_load=0.5, poissons_ratio="steel")
     with pytest.raises(rc.SettingsError, match=r"poissons_ratio = 0\.7: must lie above -1"):
         rc.partial_slip(normal, friction_coefficient=0.3, tangential_load=0.5, poissons_ratio=0.7)
