@@ -69,11 +69,11 @@ def conductivity_ranges(bodies: Bodies | None) -> dict[str, tuple[float, float, 
     results: dict[str, tuple[float, float, float]] = {}
     for name, power in (("thermal_conductivity", -1), ("electrical_resistivity", 1)):
         materials = [material for body in bodies or () for material in materials_in(body)]
-        stated = [material.get(name_of_range(name)) for material in materials]
+        ranges = [material.get(name_of_range(name)) for material in materials]
         values = _body_properties([top_material(body) for body in bodies or ()], name)
-        if values is None or not any(stated):
+        if values is None or not any(ranges):
             continue
-        relative = [ends(1.0, shares) for shares in stated]
+        relative = [ends(1.0, shares) for shares in ranges]
         # layers: no closed form for the share of each, so that all ends are taken at once
         if len(half_spaces(bodies)) < len(bodies or ()):
             mean = float(np.mean(values**power)) ** power

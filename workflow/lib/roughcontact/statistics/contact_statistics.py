@@ -214,10 +214,10 @@ def contact_statistics(
     # a finite body has both: its force, and that over the area of the map
     loads = [name for name in ("mean_pressure", "force") if name in contact]
     coordinates = _bins(edges) | {name: ("load", contact[name].values) for name in loads}
-    stated = {"seal": seal or {}, "joint": joint or {}}
+    sections = {"seal": seal or {}, "joint": joint or {}}
     attrs = contact.attrs | {
         f"{section}_{key}": value
-        for section, of_section in stated.items()
+        for section, of_section in sections.items()
         for key, value in of_section.items()
         if value is not None
     }

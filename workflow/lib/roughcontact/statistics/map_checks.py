@@ -276,8 +276,8 @@ def lay(statistics: xr.Dataset, window: Attributes) -> Check | None:
     """Check that it is stated of a profile whether it is one of ridges or of an isotropic surface."""
     if warnings := json_attribute(window, "profile_warnings"):
         return review(" ".join(warnings))
-    if stated := lay_facts(window).finding:
-        return passed(stated.format(stretch=number(window.get("stretch", 1.0))))
+    if finding := lay_facts(window).finding:
+        return passed(finding.format(stretch=number(window.get("stretch", 1.0))))
     # a map has both lengths, and needs no statement
     if not np.isnan([statistics[f"window_length_{axis}"] for axis in "xy"]).any():
         return None

@@ -163,8 +163,8 @@ def error_budget(
         attrs = sample_attributes(scatter, levelled)
         columns |= _columns_of_members(result, scatter)
     instrument = stated_instrument(levelled, settings.get("instrument"))
-    stated = {key: source for key, source in OF_MATERIAL.items() if source in sources}
-    ranges = {key: settings["contact"].get(name_of_range(key)) for key in stated}
+    uncertain = {key: source for key, source in OF_MATERIAL.items() if source in sources}
+    ranges = {key: settings["contact"].get(name_of_range(key)) for key in uncertain}
     ranges |= instrument if "instrument" in sources else {}
     hardness = ends(result.hardness, ranges.get(HARDNESS))
     sensitivities, of_inputs = input_uncertainty(result, solved, ranges)
@@ -172,8 +172,8 @@ def error_budget(
     if hardness[0] < hardness[1]:
         columns |= {f"{HARDNESS}_lower": ((), hardness[0]), f"{HARDNESS}_upper": ((), hardness[1])}
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
-    for source in dict.fromkeys(stated.values()):
-        components[source] = sum_of_causes(of_inputs[key] for key in stated if stated[key] == source)
+    for source in dict.fromkeys(uncertain.values()):
+        components[source] = sum_of_causes(of_inputs[key] for key in uncertain if uncertain[key] == source)
     if "instrument" in sources:
         as_measured = (
             periodic_window(levelled, **{**settings["window"], "correct_for": None})

@@ -56,7 +56,7 @@ def runs_at_ends(
     `run` takes a window and, by their names (`uncertainty.inputs`), inputs over what is stated; those of the
     scales of the map are in the window already.
     """
-    stated = {key: contact.get(name_of_range(key)) or instrument.get(key) for key in inputs}
+    limits = {key: contact.get(name_of_range(key)) or instrument.get(key) for key in inputs}
 
     def at(window: xr.DataArray, *, key: str, factor: float) -> xr.Dataset:
         if key not in AMPLIFICATIONS:
@@ -67,7 +67,7 @@ def runs_at_ends(
 
     return [
         (partial(at, key=key, factor=low), partial(at, key=key, factor=high))
-        for key, shares in stated.items()
+        for key, shares in limits.items()
         for low, high in [ends(1.0, shares)]
         if low < high
     ]

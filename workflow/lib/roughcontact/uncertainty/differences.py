@@ -408,10 +408,10 @@ def _what_decides(comparison: _Compared, name: str, numbers: Mapping[str, float]
     return "; and ".join(causes[::-1] if of_scatter > numbers["shared"] else causes)
 
 
-def _names(first: xr.Dataset, second: xr.Dataset) -> list[str]:
+def _names(one_group: xr.Dataset, another: xr.Dataset) -> list[str]:
     """Return the quantities of both that have ratios."""
-    shared = {*headline_names(second)} - {*CONSTRICTIONS}
-    return [name for name in headline_names(first) if name in shared]
+    shared = {*headline_names(another)} - {*CONSTRICTIONS}
+    return [name for name in headline_names(one_group) if name in shared]
 
 
 def _scaled_numbers(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -422,26 +422,26 @@ def _scaled_numbers(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np
     return interpolated(load, loads, of_maps.T).T, interpolated(load, loads, shared_widths)
 
 
-def _source_correlations(first: xr.Dataset, second: xr.Dataset) -> np.ndarray:
+def _source_correlations(one_group: xr.Dataset, another: xr.Dataset) -> np.ndarray:
     """Return the correlations (source) of the errors of two results that were measured and solved alike."""
-    moduli = [float(data.get("contact_modulus", np.nan)) for data in (first, second)]
+    moduli = [float(data.get("contact_modulus", np.nan)) for data in (one_group, another)]
     independent = {"solver"} | ({"material"} if moduli[0] != moduli[1] else set())
     return np.array([0.0 if source in independent else 1.0 for source in SOURCES])
 
 
-def _correlations(name: str, first: xr.Dataset, second: xr.Dataset) -> np.ndarray:
+def _correlations(name: str, one_group: xr.Dataset, another: xr.Dataset) -> np.ndarray:
     """Return the correlations (load, source) of the errors of one map under two cases."""
-    correlations = np.tile(_source_correlations(first, second), (first.sizes["load"], 1))
-    if any(f"{name}_components" not in data for data in (first, second)):
+    correlations = np.tile(_source_correlations(one_group, another), (one_group.sizes["load"], 1))
+    if any(f"{name}_components" not in data for data in (one_group, another)):
         return 0 * correlations  # nothing is known of what they share
-    a, b = (_deviations(name, data) for data in (first, second))
+    a, b = (_deviations(name, data) for data in (one_group, another))
     of_window = np.zeros(len(correlations))  # where the subwindows are not the same
     if a.shape == b.shape:
         with np.errstate(invalid="ignore", divide="ignore"):
             of_solved = np.sum(a * b, axis=0) / np.sqrt(np.sum(a**2, axis=0) * np.sum(b**2, axis=0))
         if (indices := np.flatnonzero(np.isfinite(of_solved))).size:
             # interpolated between the loads at which the subwindows were solved
-            of_window = extend_to_loads(of_solved[indices], indices, first["mean_pressure"].values)
+            of_window = extend_to_loads(of_solved[indices], indices, one_group["mean_pressure"].values)
     correlations[:, SOURCES.index("window")] = np.clip(of_window, -1.0, 1.0)
     return correlations
 

@@ -127,15 +127,15 @@ def _end_of_hardness(factor: float, result: Result, solution: xr.Dataset) -> tup
     Where no point reaches the lower of both hardnesses, nothing changes, and nothing is solved.
     """
     names, hardness = headline_names(solution), factor * result.hardness
-    stated = {name: solution[name].values for name in names}
+    solved_values = {name: solution[name].values for name in names}
     change = np.full(result.load.shape, math.log(factor))
-    flows = stated[PEAK] >= (1 - NEAR_HARDNESS) * min(hardness, result.hardness)
+    flows = solved_values[PEAK] >= (1 - NEAR_HARDNESS) * min(hardness, result.hardness)
     if not flows.any():
-        return change, stated
+        return change, solved_values
     load = np.minimum(result.load, (1 - 2 * NEAR_HARDNESS) * hardness)
     contact = {**result.contact, "hardness": hardness, "mean_pressure": load}
-    values = result._replace(contact=contact, values=stated).again(result.window)
-    ends_at_loads = {name: np.where(flows, value, stated[name]) for name, value in values.items()}
+    values = result._replace(contact=contact, values=solved_values).again(result.window)
+    ends_at_loads = {name: np.where(flows, value, solved_values[name]) for name, value in values.items()}
     # edges of pixels make an area too small for the load
     return change, ends_at_loads | {AREA: np.fmax(ends_at_loads[AREA], load / hardness)}
 
