@@ -45,7 +45,7 @@ def on_pixels(values, pixel):
         ({"contact_modulus": 1e300}, "contact_modulus = 1e.300 is beyond the computable range"),
         ({"contact_modulus": 1e-300}, "contact_modulus = 1e-300 is beyond the computable range"),
         ({"contact_modulus": 1e60}, "rounding allows"),
-        ({"tolerance": None}, "tolerance = None is not a number"),
+        ({"tolerance": None}, "tolerance = None: give a number"),
         ({"tolerance": "x"}, "tolerance = 'x'"),
         ({"mean_pressure": True}, "mean_pressure = True"),
         ({"mean_pressure": [1e6, True]}, "mean_pressure = True"),
