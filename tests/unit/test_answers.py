@@ -134,7 +134,8 @@ def test_the_words_of_each_load_are_those_of_its_cells(result):
     rows = glance_rows(result, indices=loads_of(result))
     for cells, (_, text, *_) in zip(rows, each_load(result, []), strict=True):
         for heading, cell in zip(HEADINGS[1:], cells[1:], strict=True):
-            assert ", ".join(filter(None, (f"{heading} {cell.text}", cell.details, cell.known))) in text
+            words = ", ".join(filter(None, (f"{heading} {cell.text}", cell.details, cell.known)))
+            assert (words in text) == (cell.text != "not judged")  # which needs no words at each load
 
 
 def test_all_numbers_and_the_cases_have_the_same_digits(result):

@@ -140,8 +140,7 @@ def with_modulus_at_rest(body: Any) -> Any:
     relaxation = properties["relaxation"]
     named = compound(relaxation.get("table") if isinstance(relaxation, Mapping) else relaxation)
     name = {"name": named["name"]} if named else {}
-    at_rest = relaxation_of(relaxation).at_rest()  # what is wrong with it is found with the settings
-    modulus = properties.get("youngs_modulus", at_rest)
+    modulus = properties.get("youngs_modulus") or relaxation_of(relaxation).at_rest()
     return {"poissons_ratio": RUBBER_RATIO} | name | properties | {"youngs_modulus": modulus}
 
 

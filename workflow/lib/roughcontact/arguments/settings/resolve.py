@@ -370,6 +370,11 @@ def _check_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) -> Non
     """Raise an error for bodies whose elastic constants are missing, or contradict one another."""
     if bodies:
         check_bodies(bodies, where=f"{where}.bodies")
+    if relaxing := [body["relaxation"] for body in bodies or () if body["relaxation"]]:
+        from roughcontact.arguments.relaxation import relaxation_of  # with all that reads tables
+
+        for relaxation in relaxing:
+            relaxation_of(relaxation)
 
 
 def _merge(base: Any, overrides: Any) -> Any:
