@@ -469,13 +469,13 @@ def _drop_closing_separators(texts: list[str], delimiter: str, heading: str) -> 
     """Return lines without a separator at their end that closes them, rather than leaves a last cell empty.
 
     It does where all lines end in one, where only the last line does, which is incomplete then, and where the
-    rows have different lengths otherwise; not below a `heading` that names the last column, too.
+    rows have different lengths otherwise; not below a `heading` that names a last column of remarks, say.
     """
     has_separator = [text.endswith(delimiter) for text in texts]
     counts = array("q", [text.count(delimiter) for text in texts])
     names = [name.strip() for name in heading.split(delimiter)]
     is_named = {*counts} == {len(names) - 1} and all(has_separator) and names[-1]
-    if is_named and any(map(is_heading, names)):
+    if is_named and any(map(is_heading, names)) and not is_heading(names[-1]):
         return texts
     if any(has_separator[:-1]) and not all(has_separator) and (len({*counts}) == 1 or _lacks_corner(counts)):
         return texts
