@@ -114,6 +114,16 @@ def test_a_named_rubber_has_the_moduli_of_its_source():
     assert glass == pytest.approx(0.1 * 10**10.48, rel=0.15)
 
 
+@pytest.mark.parametrize("modulus", [{}, {"youngs_modulus": 1e7, "poissons_ratio": 0.5}])
+def test_a_mistake_is_named_by_the_bodies_and_beside_a_modulus_hides_no_other(modulus):
+    bodies = [{"relaxation": "nowhere.csv"} | modulus, "granite"]
+    words = r"contact\.bodies: relaxation = nowhere\.csv: not read as a table"
+    with pytest.raises(SettingsError, match=words) as raised:
+        resolve({"contact": {"bodies": bodies, "mean_pressure": [1e5, 1e5]}})
+    # without its modulus no body is complete, and nothing of the loads is checked
+    assert ("occurs twice" in str(raised.value)) == bool(modulus)
+
+
 def test_a_named_rubber_at_another_temperature():
     cool, warm = relaxation_of({"table": "PIB", "temperature": 0.0}), relaxation_of("polyisobutylene")
     factor = 10 ** (5.96 * 25 / (159.7 - 25))

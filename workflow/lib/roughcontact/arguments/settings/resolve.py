@@ -134,6 +134,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         starmap(_mistake, _settings_of_other_kinds(settings)),
         _mistakes_in_loads(contact, where),
         _mistakes_in_statistics(settings),
+        _mistakes_in_relaxation(contact["bodies"], where),
         _mistakes_in_creep(contact, where),
         _mistakes_in_wear(settings["wear"], contact),
         _mistakes_in_sliding(settings["sliding"], contact),
@@ -202,6 +203,20 @@ def _mistakes_in_statistics(settings: Mapping[str, Any]) -> Iterator[SettingsErr
                 f"statistics.{allowed_keys[0]}",
                 f": is the same limit as requirement.{name}; state one of them",
             )
+
+
+def _mistakes_in_relaxation(
+    bodies: Sequence[Mapping[str, Any]] | None, where: str
+) -> Iterator[SettingsError]:
+    """Yield what is wrong with the relaxation of a body, of which a stated modulus needs nothing."""
+    for body in bodies or ():
+        if body["relaxation"]:
+            from roughcontact.arguments.relaxation import relaxation_of  # with all that reads tables
+
+            try:
+                relaxation_of(body["relaxation"])
+            except SettingsError as error:
+                yield _mistake(f"{where}.bodies", f": {error}")
 
 
 def _mistakes_in_creep(contact: Mapping[str, Any], where: str) -> Iterator[SettingsError]:
@@ -370,11 +385,6 @@ def _check_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) -> Non
     """Raise an error for bodies whose elastic constants are missing, or contradict one another."""
     if bodies:
         check_bodies(bodies, where=f"{where}.bodies")
-    if relaxing := [body["relaxation"] for body in bodies or () if body["relaxation"]]:
-        from roughcontact.arguments.relaxation import relaxation_of  # with all that reads tables
-
-        for relaxation in relaxing:
-            relaxation_of(relaxation)
 
 
 def _merge(base: Any, overrides: Any) -> Any:
