@@ -14,7 +14,7 @@ from roughcontact.surface.synthetic import westergaard_surface
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.headline import headline_names
-from roughcontact.uncertainty.inputs import STIFFNESS, input_uncertainty, stiffer
+from roughcontact.uncertainty.inputs import input_uncertainty, stiffer
 from roughcontact.uncertainty.scales import ANSWERS, AREA, CONSTRICTIONS, QUANTITIES, from_scale, to_scale
 
 MODULUS, GRADIENT, THICKNESS = 1e9, 0.1, 3e-6
@@ -97,28 +97,20 @@ def test_the_half_widths_are_the_changes_to_both_ends(surface, source, kind, loa
 
 @pytest.mark.parametrize("loads", LOADS)
 @pytest.mark.parametrize("kind", PROBLEMS)
-@pytest.mark.parametrize("input_name", ["", "contact_modulus", "mean_pressure"])
-def test_published_sensitivities_are_slopes_or_unknown(surface, kind, loads, input_name):
-    result = budget_of(surface, kind, LOADS[loads], input_name or INPUTS[0], 0.04 if input_name else 0)
+@pytest.mark.parametrize("input_name", ["contact_modulus", "mean_pressure"])
+def test_sensitivities_are_slopes_of_what_is_stated_and_of_nothing_else(surface, kind, loads, input_name):
+    result = budget_of(surface, kind, LOADS[loads], input_name, 0.04)
     assert list(result["input"].values) == list(INPUTS)
-    for source in INPUTS:
-        smaller, larger = (solved_at(surface, kind, LOADS[loads], source, f) for f in (0.96, 1.04))
-        for name in (*QUANTITIES, *ANSWERS):
-            with np.errstate(divide="ignore", invalid="ignore"):
-                true = np.log((larger[name] / smaller[name]).values) / math.log(1.04 / 0.96)
-            slope = result[f"{name}_sensitivity"].sel(input=source).values
-            is_known = np.isfinite(slope)
-            assert slope[is_known] == pytest.approx(true[is_known], rel=0.05, abs=0.06), (source, name)
-            assert is_known.all() or source != input_name or name not in QUANTITIES
-    gap = result["mean_gap_sensitivity"]
-    assert gap.sel(input="mean_pressure").notnull().all()  # -1/K
-    assert gap.sel(input="amplification_z").notnull().all() == (kind != "hardness")
-    assert gap.sel(input="amplification_xy").notnull().all() == (kind == "elastic")
-    sensitivities = result[[f"{name}_sensitivity" for name in QUANTITIES if name != "mean_gap"]].to_array()
-    if not input_name:
-        assert sensitivities.isnull().all()  # no constant stands for a slope
-    elif kind != "hardness":  # p̄/(E* g) decides, so that one input leads to another
-        assert sensitivities.sel(input="amplification_z").notnull().all()
+    smaller, larger = (solved_at(surface, kind, LOADS[loads], input_name, f) for f in (0.96, 1.04))
+    for name in (*QUANTITIES, *ANSWERS):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            true = np.log((larger[name] / smaller[name]).values) / math.log(1.04 / 0.96)
+        slopes = result[f"{name}_sensitivity"]
+        slope = slopes.sel(input=input_name).values
+        is_known = np.isfinite(slope)
+        assert slope[is_known] == pytest.approx(true[is_known], rel=0.05, abs=0.06), name
+        assert is_known.all() or name not in QUANTITIES
+        assert slopes.drop_sel(input=input_name).isnull().all()
 
 
 def test_a_wave_has_the_slopes_of_westergaard():
@@ -195,8 +187,7 @@ def test_intervals_of_metals_hold_the_solutions_at_the_ends_of_their_hardness(me
 
 def test_an_end_that_cannot_be_solved_bounds_nothing(surface):
     contact = problem("elastic", [0.1]) | {"on_failure": "flag"}
-    # with its stiffness the slope of the gap would be known
-    solved = solve_contact(surface, **contact, reduce=budget_inputs).drop_vars(STIFFNESS)
+    solved = solve_contact(surface, **contact, reduce=budget_inputs)
     beyond_rounding = contact | {"tolerance": 1e-15}
     sensitivities, components = input_uncertainty(
         Result(surface, beyond_rounding, {}), solved, {"contact_modulus": 0.1}

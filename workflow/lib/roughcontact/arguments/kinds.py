@@ -47,8 +47,6 @@ class KindFacts:
         numbers of each load that only this kind has; by the first of them its results are told.
     scaled_columns : collection of str
         numbers of the solution that are relative to the roughness of its map.
-    scales_heights : bool
-        whether the solution of heights that are all larger by a factor follows from this one.
     form_is_meant : bool
         whether the form of the map is one of the problem, no remainder of levelling.
     may_leave_map : bool
@@ -85,7 +83,6 @@ class KindFacts:
     noun: str = ""
     own_numbers: tuple[str, ...] = ()
     scaled_columns: Collection[str] = ("relative_pressure",)
-    scales_heights: bool = True
     form_is_meant: bool = False
     may_leave_map: bool = False
     flat_map_is_uniform: bool = True
@@ -250,7 +247,6 @@ FINITE_BODY = FiniteBodyFacts(
     noun="a body of finite size",
     own_numbers=("contact_radius", "force"),
     scaled_columns=(),  # the gradient of the map is that of the form
-    scales_heights=False,
     form_is_meant=True,
     may_leave_map=True,
     flat_map_is_uniform=False,

@@ -8,7 +8,6 @@ import xarray as xr
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.sealing.percolation import half_way_levels
 from roughcontact.uncertainty.headline import iterate_fields
-from roughcontact.uncertainty.inputs import STIFFNESS
 from roughcontact.uncertainty.sample import constrictions_in_grooves
 from roughcontact.uncertainty.scales import ANSWERS, CONDUCTANCE, QUANTITIES
 from roughcontact.uncertainty.solver import solver_uncertainty
@@ -19,16 +18,15 @@ def budget_inputs(
 ) -> xr.Dataset:
     """Return what the error budget takes from a solution with its fields, along `load`.
 
-    Headline quantities and answers, `{name}_uncertainty` of the solver, `index_of_the_peak` (row by row),
-    `loading_stiffness`, the texture aspect ratio `Str` of the map, and `{name}_half_way`, the constrictions
-    (m) of gap paths half as long as the map, of the `constrictions_in_grooves`, here `grooves`.
+    Headline quantities and answers, `{name}_uncertainty` of the solver, `index_of_the_peak` (row by row), the
+    texture aspect ratio `Str` of the map, and `{name}_half_way`, the constrictions (m) of gap paths half as
+    long as the map, of the `constrictions_in_grooves`, here `grooves`.
     """
     if statistics is None:
         statistics = contact_statistics(contact, flow="never", stress="never")
     plain = {name: statistics[name].values for name in (*QUANTITIES, *ANSWERS)}
     # of full contact it is infinite
     plain[CONDUCTANCE] = np.where(np.isfinite(plain[CONDUCTANCE]), plain[CONDUCTANCE], np.nan)
-    plain[STIFFNESS] = statistics[STIFFNESS if STIFFNESS in statistics else "contact_stiffness"].values
     widths = solver_uncertainty(contact, energy=statistics["elastic_energy"].values)
     plain |= {f"{name}_uncertainty": width for name, width in widths.items()}
     plain["index_of_the_peak"] = np.array([pressure.argmax() for pressure, _ in iterate_fields(contact)])

@@ -21,7 +21,6 @@ from roughcontact.surface.window.finite_body import finite_body
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.calibration import MEASURANDS
 from roughcontact.uncertainty.ensemble import Result
-from roughcontact.uncertainty.inputs import STIFFNESS
 from roughcontact.uncertainty.random_effects import width_of_next
 from roughcontact.uncertainty.scales import ANSWERS, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
@@ -52,7 +51,7 @@ def finite_body_budget(
         {**settings, "window": {}, "contact": contact},
         sources=[source for source in sources if source not in meaningless],
         windows=windows,
-        solved=solved.drop_vars([STIFFNESS, *ANSWERS], errors="ignore"),
+        solved=solved.drop_vars(ANSWERS, errors="ignore"),
         scatter_of=partial(scatter_of_positions, shifts),
         refine=halved_pixels,
     )

@@ -1,25 +1,17 @@
 """Uncertainty and sensitivity of the results to load, contact modulus, hardness and the scales of the map.
 
 The contact is solved with a stated input at both ends of its range (JCGM 100:2008, 5.1.3, note 2): the
-changes are half-widths, the slope between them the sensitivity d ln Q/d ln(input). Of another input it
-follows, if at all, from dū/dp̄ = -1/K of the gap, or while no point yields from the solution for heights a,
-lengths b, moduli c and loads d times as large, that at the load p d b/(c a):
-
-      A(p) = A0,   u = a u0,   pressures = (c a/b) p0,   K/E* = kappa0/b,   gap height = a c0
-
-(Persson 2001, J. Chem. Phys. 115, 3840, for the area; exact for an elastic half-space; of layers for all but
-lengths). The hardness, which reaches further, is solved at the few loads of a member of an ensemble.
+changes are half-widths, the slope between them the sensitivity d ln Q/d ln(input). The hardness, which
+reaches further, is solved at the few loads of a member of an ensemble.
 """
 
 import math
 from collections.abc import Mapping
-from itertools import product
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.ranges import Shares, ends
 from roughcontact.contact.solve import NEAR_HARDNESS
@@ -27,19 +19,11 @@ from roughcontact.errors import SettingsError
 from roughcontact.uncertainty.combination import Component, Components, component_from_units, half_widths
 from roughcontact.uncertainty.ensemble import Result, Values, solve_member
 from roughcontact.uncertainty.headline import headline_names
-from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, CONSTRICTIONS, GAP, PEAK, PRESSURE
+from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, PEAK, PRESSURE
 
-STIFFNESS = "loading_stiffness"
 AMPLIFICATIONS = ("amplification_z", "amplification_xy")
-_LOAD, _MODULUS, _HEIGHTS, _LENGTHS = "mean_pressure", "contact_modulus", *AMPLIFICATIONS
-_POWER_IN_LOAD = {_LOAD: 1.0, _MODULUS: -1.0, _HEIGHTS: -1.0, _LENGTHS: 1.0}
-HARDNESS = "hardness"
-INPUTS = (*_POWER_IN_LOAD, HARDNESS)
-_EXPLICIT_POWER = {
-    **{(_HEIGHTS, name): 1.0 for name in (GAP, *CONSTRICTIONS)},
-    **{(source, name): 1.0 for source in (_MODULUS, _HEIGHTS) for name in (PEAK, PRESSURE)},
-    **{(_LENGTHS, name): -1.0 for name in (PEAK, PRESSURE, CONDUCTANCE)},
-}
+_LOAD, _MODULUS, _HEIGHTS, HARDNESS = "mean_pressure", "contact_modulus", AMPLIFICATIONS[0], "hardness"
+INPUTS = (_LOAD, _MODULUS, *AMPLIFICATIONS, HARDNESS)
 
 
 def input_uncertainty(
@@ -48,23 +32,14 @@ def input_uncertainty(
     """Return the sensitivities of each result, and the components of each input that is stated.
 
     `ranges` are relative expanded uncertainties (95 %), of the hardness below and above it, `solution` the
-    quantities along `load`. Sensitivities (load, input) are d ln Q/d ln(input), NaN if not known; half-widths
-    are infinite if an end could not be solved. `contact_modulus` stands for all moduli of bodies.
+    quantities along `load`. Sensitivities (load, input) are d ln Q/d ln(input), NaN of an input without a
+    range; half-widths are infinite if an end could not be solved. `contact_modulus` stands for all moduli of
+    bodies.
     """
     values = {name: solution[name].values for name in headline_names(solution)}
-    elastic = values[PEAK] < (1 - NEAR_HARDNESS) * result.hardness
-    similar = dict.fromkeys(_POWER_IN_LOAD, elastic) | {_LOAD: np.ones_like(elastic)}
-    # a form is not scaled with the heights
-    similar |= dict.fromkeys(AMPLIFICATIONS, elastic & facts_of(result.contact).scales_heights)
-    if "bodies" in solution.attrs:
-        similar[_LENGTHS] = np.zeros_like(elastic)
-    load_slopes = {name: np.full(elastic.shape, np.nan) for name in values}
-    if STIFFNESS in solution:
-        np.divide(-solution[_LOAD].values, values[GAP], out=load_slopes[GAP], where=values[GAP] > 0)
-        load_slopes[GAP] /= solution[STIFFNESS].values
-    secants: dict[tuple[str, str], np.ndarray] = {}
+    sensitivities = {name: np.full((value.size, len(INPUTS)), np.nan) for name, value in values.items()}
     components: dict[str, dict[str, Component]] = {source: {} for source in INPUTS}
-    for source in INPUTS:
+    for column, source in enumerate(INPUTS):
         lowest, highest = ends(1.0, ranges.get(source))
         if not 0 < lowest <= highest:
             raise SettingsError(
@@ -78,21 +53,10 @@ def input_uncertainty(
         if source == HARDNESS:
             limited_values = values | {AREA: np.fmax(values[AREA], result.load / result.hardness)}
         for name, value in limited_values.items():
-            below, above, secants[source, name] = effect(value, bounds, name)
+            below, above, sensitivities[name][:, column] = effect(value, bounds, name)
             # what flows has the pressure of its area, whatever edges of pixels say
             if not np.isnan(above).all() and (source, name) != (HARDNESS, PRESSURE):
                 components[source][name] = component_from_units(name, value, half_widths(below, above))
-            slope = secants[source, name] - _EXPLICIT_POWER.get((source, name), 0.0)
-            slope /= _POWER_IN_LOAD.get(source, np.nan)
-            usable = similar.get(source, False) & np.isnan(load_slopes[name]) & np.isfinite(slope)
-            load_slopes[name] = np.where(usable, slope, load_slopes[name])
-    sensitivities = {name: np.empty((elastic.size, len(INPUTS))) for name in values}
-    for name, (column, source) in product(values, enumerate(INPUTS)):
-        power = _POWER_IN_LOAD.get(source, np.nan)  # of the hardness its own ends tell alone
-        law = _EXPLICIT_POWER.get((source, name), 0.0) + power * load_slopes[name]
-        law = np.where(similar.get(source, False), law, np.nan)
-        secant = secants.get((source, name), law)
-        sensitivities[name][:, column] = np.where(np.isfinite(secant), secant, law)
     return sensitivities, components
 
 
@@ -164,4 +128,5 @@ def effect(
         np.where(is_unsolved, np.inf, side) for side in (-changes.min(axis=0), changes.max(axis=0))
     )
     with np.errstate(divide="ignore", invalid="ignore"):
-        return below, above, np.log(upper / lower) / (high - low)
+        slope = np.log(upper / lower) / (high - low)
+    return below, above, np.where(np.isfinite(slope), slope, np.nan)
