@@ -43,6 +43,7 @@ from roughcontact.arguments.maps import height_map, refined, spacing
 from roughcontact.contact.loads import plan_loads
 from roughcontact.errors import RoughContactError
 from roughcontact.statistics.precision import precision
+from roughcontact.surface.roughness.texture import texture_parameters
 from roughcontact.uncertainty import calibration as calibrated
 from roughcontact.uncertainty.discretisation import extrapolated
 from roughcontact.uncertainty.ensemble import Result, solve_member
@@ -127,6 +128,7 @@ def evaluated(height, loads: list[float]) -> dict | None:
             results[f"{key}_octave"] = results[key] - to_scale(name, coarse[name]) / unit
             if name == PEAK:
                 features = scatter.features[name] if scatter.features else {}
+                features |= {"lay": np.nan_to_num(texture_parameters(window)["Str"], nan=0.5)}
                 for column, feature in (("peak_trend", "trend"), *zip(FEATURES, FEATURES, strict=True)):
                     results[column] = features.get(feature, np.nan) + np.zeros(len(loads))
     return results

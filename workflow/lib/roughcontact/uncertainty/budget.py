@@ -160,7 +160,7 @@ def error_budget(
         middle |= {name: middle[name] + offset for name, offset in scatter.shift.items()}
         half_ways = {name: f"{name}_half_way" for name in middle if f"{name}_half_way" in solved}
         scatter = scatter._replace(open_ended={key: solved[half_ways[key]].values > 0 for key in half_ways})
-        attrs = sample_attributes(scatter, levelled)
+        attrs = sample_attributes(scatter, levelled, aspect=float(solved["Str"]))
         columns |= _columns_of_members(result, scatter)
     instrument = stated_instrument(levelled, settings.get("instrument"))
     uncertain = {key: source for key, source in OF_MATERIAL.items() if source in sources}

@@ -9,7 +9,7 @@ import xarray as xr
 from roughcontact.arguments.maps import dimensions
 from roughcontact.arguments.quantities import number, percent
 from roughcontact.statistics.sealing.percolation import half_way_levels
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP
+from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP
 from roughcontact.uncertainty.subwindows import Scatter
 
 MEASURAND_IN_WORDS = "the mean of maps of this size all over the surface, in the band of waves of this map"
@@ -18,8 +18,8 @@ _LAY_LIMIT = 0.07  # texture aspect ratio below which the subwindows along a lay
 _GROOVE_AREA_LIMIT = 0.2  # of the window: random valleys, of waves up to a third of the map, take up more
 
 
-def sample_attributes(scatter: Scatter, height: xr.DataArray) -> dict[str, Any]:
-    """Return what is said of the members of a map, and what they do not tell."""
+def sample_attributes(scatter: Scatter, height: xr.DataArray, *, aspect: float) -> dict[str, Any]:
+    """Return what is said of the members of a map of a texture aspect ratio, and what they do not tell."""
     has_failure = np.isnan(scatter.members[GAP]).any()
     if scatter.reason:
         flag = "The solution of a surface missed the tolerance." if has_failure else ""
@@ -54,7 +54,7 @@ def sample_attributes(scatter: Scatter, height: xr.DataArray) -> dict[str, Any]:
             "A few places, deep pits or high peaks, contribute most of the mean square height (Sku = "
             f"{number(kurtosis)}): a single map does not tell their number elsewhere. Measure more places."
         )
-    elif scatter.features[AREA]["lay"] < _LAY_LIMIT:
+    elif aspect < _LAY_LIMIT:
         flag = (
             f"The surface has a lay, and parts along it contain the same ridges: the {parts} parts are worth "
             "no more than three independent ones. Measure a map that is longer across the lay, or more "

@@ -3,7 +3,7 @@
 On a stationary surface the map, n times as large, scatters s/sqrt(n), s the scatter of n subwindows longer
 than its longest wave; most surfaces differ on every length. The variances of the rms gradient of 4, 9, 16 and
 36 subwindows are fitted by var(n) = a + b n, a, b >= 0, var(1) being that of maps of this size. This, the
-scatter of the solved subwindows (3 x 3), their trend and Str are the features of the calibrated arms
+scatter of the solved subwindows (3 x 3) and their trend are the features of the calibrated arms
 (`calibration`).
 """
 
@@ -20,7 +20,6 @@ from roughcontact.arguments.maps import spacing
 from roughcontact.errors import SettingsError
 from roughcontact.surface.levelling.forms import form_order
 from roughcontact.surface.levelling.polynomial import fit_polynomial
-from roughcontact.surface.roughness.texture import texture_parameters
 from roughcontact.surface.window.periodic_window import subwindow
 from roughcontact.uncertainty.calibration import Features, Measurand
 from roughcontact.uncertainty.ensemble import Result, Values, measured_slices
@@ -68,15 +67,12 @@ def scatter_of_subwindows(
         return Scatter(dict.fromkeys(result.values, nan_values), slices=slices)
     subwindows = (subwindow(relevelled(levelled_map.isel(area), order), **arguments) for area in slices)
     members = result.members(subwindows)
-    known = texture_parameters(result.window) if result.solved is None else result.solved
-    aspect = float(known["Str"])
     deviations = {
         name: _deviations(name, members[name], result.values[name][few_loads]) for name in (AREA, PEAK)
     }
     spread = np.hypot(np.std(deviations[AREA], axis=0, ddof=1), _MIN_SCATTER)
     common: Features = {
         "gradient": gradient_scatter(levelled_map.isel(region)),
-        "lay": 0.5 if math.isnan(aspect) else aspect,
         "scatter": result.extend_to_loads(np.log(spread)),
     }
     features = dict.fromkeys(result.values, common)
