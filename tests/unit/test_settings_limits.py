@@ -386,12 +386,6 @@ def test_a_count_is_a_whole_number(key):
     assert resolve(configured(key, str(highest)))[""][section][name] == highest > lowest
 
 
-NO_LONGER = (
-    "is a setting no longer: the ± is of the surface in the band of the map. Leave it out; an overview "
-)
-NO_LONGER += "(column overview of the table, --overview) measures what a longer joint has"
-
-
 @pytest.mark.parametrize(
     ("key", "value", "rule"),
     [
@@ -448,8 +442,6 @@ def test_every_rule_has_its_sentence(key, value, rule):
             1,
             ": unknown key, valid are pressure_bins, gap_bins, flow, stress, work_of_adh",
         ),
-        ("uncertainty.extent", 3, f": {NO_LONGER}"),
-        ("uncertainty.measurand", 3, f": {NO_LONGER}"),
     ],
 )
 def test_a_mistake_within_a_list_and_a_key_that_is_none_have_theirs(key, value, line):

@@ -294,10 +294,8 @@ def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:
     values = dataset[name].values.astype(float)
     if f"{name}_components" not in dataset:
         return np.zeros((values.size, len(SOURCES), 4))
-    columns = dataset[f"{name}_components"]
-    if "source" in columns.coords:  # a file of an earlier version has fewer
-        columns = columns.reindex(source=[*SOURCES], fill_value=0.0)
-    in_units = columns.transpose("source", "component", "load").values[: len(SOURCES)]
+    columns = dataset[f"{name}_components"].transpose("source", "component", "load")
+    in_units = columns.values[: len(SOURCES)]  # not of what they make together
     # an unbounded half-width is NaN in the file
     components = [component_from_units(name, values, np.nan_to_num(side, nan=np.inf)) for side in in_units]
     return np.stack(components).transpose(2, 0, 1)

@@ -32,13 +32,6 @@ _SYMBOLS = {
     "t": "thickness",
 }
 
-# key -> why it is a setting no longer, and the way out
-_RETIRED = dict.fromkeys(
-    ("uncertainty.extent", "uncertainty.measurand"),
-    "is a setting no longer: the ± is of the surface in the band of the map. Leave it out; an overview "
-    "(column overview of the table, --overview) measures what a longer joint has",
-)
-
 
 def name_mistake(name: str) -> str:
     """Return what is wrong with the name of a surface or a case, an empty text for a good one.
@@ -108,8 +101,6 @@ def reason(detail: ErrorDetails) -> str:
     field = field_at(location)
     meaning = (field.description if field else None) or ""
     if detail["type"] == "extra_forbidden":
-        if text := _RETIRED.get(_dotted(location)):
-            return f": {text}"
         key, valid = str(location[-1]), fields_at(location[:-1])
         symbol = _SYMBOLS.get(key.lower())  # E, nu, H as in a textbook
         hint = f"did you mean {symbol}?" if symbol in valid else nearest(key, valid)
