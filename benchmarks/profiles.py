@@ -31,13 +31,13 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 import roughcontact as rc
 from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.errors import RoughContactError
+from roughcontact.evaluation.kinds.surface_behind_profiles import member_surfaces, moments
 from roughcontact.surface.profiles.surface import fit_profiles, stacked
 from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.roughness.texture import texture_parameters
 from roughcontact.uncertainty.calibration import entry
 from roughcontact.uncertainty.ensemble import solve_member
-from roughcontact.uncertainty.profiles.ridges import LOADS, ridge_contrast
-from roughcontact.uncertainty.profiles.scatter import member_surfaces, moments
+from roughcontact.uncertainty.ridges import LOADS, ridge_contrast
 from roughcontact.uncertainty.scales import (
     ANSWERS,
     AREA,
@@ -51,7 +51,7 @@ from roughcontact.uncertainty.scales import (
 
 HERE = Path(__file__).parent
 ERRORS = HERE / "results" / "profiles" / "errors.csv"
-CALIBRATION = HERE.parent / "workflow/lib/roughcontact/uncertainty/profiles/calibration.json"
+CALIBRATION = HERE.parent / "workflow/lib/roughcontact/uncertainty/calibration.json"
 MEMBERS, SEEDS = 9, 6
 CUTS = (0.5, 0.25)  # where the profiles lie between one another
 MOST = 512  # points per side of a map
@@ -259,7 +259,7 @@ def main() -> None:
         solve(folders)
     errors = pd.read_csv(ERRORS)
     used = errors[errors["kind"].isin(CALIBRATING)]
-    content = {"maps": used.groupby("kind")["map"].nunique().to_dict(), "quantities": calibrated(used)}
+    content = json.loads(CALIBRATION.read_text()) | {"profiles": calibrated(used)}
     CALIBRATION.write_text(json.dumps(content, indent=1) + "\n")
     table = report(errors)
     table.to_csv(ERRORS.with_name("reached.csv"))

@@ -21,7 +21,7 @@ def reached(errors):
 
 def test_the_calibration_is_that_of_the_table(errors):
     content = json.loads(benchmark.CALIBRATION.read_text())
-    assert content["quantities"] == benchmark.calibrated(errors)
+    assert content["profiles"] == benchmark.calibrated(errors)
 
 
 def test_with_each_map_left_out_the_truth_is_in_nine_of_ten_intervals(reached):

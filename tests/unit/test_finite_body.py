@@ -20,6 +20,7 @@ from roughcontact.arguments.settings.stages import stage_settings
 from roughcontact.contact.elasticity.closed_forms import hertz, hertz_ellipse
 from roughcontact.contact.elasticity.free_space import love
 from roughcontact.evaluation import pipeline
+from roughcontact.evaluation.kinds import local_scale
 from roughcontact.evaluation.pipeline import run_chain
 from roughcontact.interface.program import main
 from roughcontact.report.budget_plots import shown_budget
@@ -34,7 +35,6 @@ from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
 from roughcontact.statistics.finite_body import hertz_contact
 from roughcontact.surface.synthetic import westergaard_surface
 from roughcontact.surface.window.finite_body import finite_body
-from roughcontact.uncertainty import local_scale
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP
 
 SEAL = {"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"}

@@ -6,7 +6,7 @@ large (`octave`). The arms are quantiles of e/s, s = exp(b0 + sum b_i f_i) with
 features f of `subwindows`, each file with the same weight: split conformal prediction (Vovk, Gammerman and
 Shafer 2005, Algorithmic Learning in a Random World; Lei, G'Sell, Rinaldo, Tibshirani and Wasserman 2018, J.
 Am. Stat. Assoc. 113, 1094, for scaled errors). They hold for a map that could be one of the bank's.
-`calibration.json` is written by `benchmarks/calibrate.py`.
+`calibration.json` is written by `benchmarks/calibrate.py`, `two_magnifications.py` and `profiles.py`.
 """
 
 import json
@@ -30,9 +30,9 @@ _COARSER = 1.25  # pixels of an overview over the coarsest ones of the bank
 
 
 @cache
-def table(package: str = __package__) -> dict[str, Any]:
-    """Return the content of `calibration.json` of a package."""
-    return json.loads(resources.files(package).joinpath("calibration.json").read_text())
+def table() -> dict[str, Any]:
+    """Return the content of `calibration.json`."""
+    return json.loads(resources.files(__package__).joinpath("calibration.json").read_text())
 
 
 def entry(name: str) -> str:

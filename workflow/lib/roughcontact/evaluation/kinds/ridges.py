@@ -1,11 +1,18 @@
 """One profile across a lay, solved as endless ridges."""
 
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.lays import lay_facts
 from roughcontact.arguments.maps import dimensions
+from roughcontact.errors import HeightMapError
 from roughcontact.evaluation.kinds.periodic_map import PeriodicMap, Settings, SolvedMap
-from roughcontact.uncertainty.profiles.scatter import isotropic_contact
+from roughcontact.surface.profiles.surface import surface_from_profiles
+from roughcontact.uncertainty.ensemble import solve_member
+from roughcontact.uncertainty.scales import AREA, GAP
 
 
 class Ridges(PeriodicMap):
@@ -24,5 +31,14 @@ class Ridges(PeriodicMap):
         budget = super().budget(solution)
         if lay_facts(solution.window.attrs).finding or not solution.settings["uncertainty"]["sources"]:
             return budget
-        isotropic = isotropic_contact(solution.levelled, solution.solver)
+        isotropic = _isotropic_contact(solution.levelled, solution.solver)
         return budget.assign({f"{name}_if_isotropic": ("load", value) for name, value in isotropic.items()})
+
+
+def _isotropic_contact(profile: xr.DataArray, contact: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Return contact area and mean gap (load) of the isotropic surface behind a profile, if there is one."""
+    try:
+        surface = surface_from_profiles([profile])
+    except HeightMapError:
+        return {}
+    return solve_member(surface, {**contact, "on_failure": "flag"}, names=[AREA, GAP])
