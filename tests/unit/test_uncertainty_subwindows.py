@@ -32,9 +32,8 @@ def scattered(levelled, problem, **options):
 def flag(levelled):
     """Return what the subwindows of a map do not tell."""
     aspect = texture_parameters(periodic_window(levelled))["Str"]
-    return sample.sample_attributes(scattered(levelled, contact(0.1))[1], levelled, aspect=aspect)[
-        "window_flag"
-    ]
+    _, scatter = scattered(levelled, contact(0.1))
+    return sample.sample_attributes(scatter, levelled, aspect=aspect)["window_flag"]
 
 
 def test_subwindows_lie_side_by_side_in_the_window():

@@ -20,9 +20,8 @@ from roughcontact.surface.levelling.forms import form_order
 from roughcontact.surface.window.rectangle import largest_rectangle
 
 MIN_CORRELATION = 0.8
-MAX_UNCERTAINTY = (
-    0.1  # of the place, over the side of the fine map: the gap is off twice as much with a quarter
-)
+# of the place, over the side of the fine map: the gap is off twice as much with a quarter
+MAX_UNCERTAINTY = 0.1
 MIN_FIELDS = 2.0  # sides of the overview over those of the fine map: four places at least
 MIN_POINTS = 16  # of the overview along each side of the fine map
 _PREFIX = "place_"  # of the attributes of a placed overview
