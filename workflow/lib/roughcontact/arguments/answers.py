@@ -117,6 +117,7 @@ class AllowedValue:
     answer: str  # that it belongs to
     trend: int = -1  # 1 where the number rises with the load, so that it holds up to one
     sense: int = 1  # -1 where the number has to be at least this large
+    power: int = 0  # of heights and load, which grow together, in the number of linear bodies
 
     @property
     def bound(self) -> str:
@@ -125,17 +126,17 @@ class AllowedValue:
 
 
 ALLOWED_VALUES = {
-    "leak": AllowedValue("leak", ("total_leak_rate_x", "total_leak_rate_y"), "m3 s-1", "sealing"),
+    "leak": AllowedValue("leak", ("total_leak_rate_x", "total_leak_rate_y"), "m3 s-1", "sealing", power=3),
     "resistance": AllowedValue("resistance", ("total_electrical_resistance",), "Ohm", "conductance"),
     "temperature_drop": AllowedValue("temperature drop", ("temperature_drop",), "K", "conductance"),
-    "pressure": AllowedValue("largest pressure", (PEAK,), "Pa", PEAK, trend=1),
+    "pressure": AllowedValue("largest pressure", (PEAK,), "Pa", PEAK, trend=1, power=1),
     "thermal_resistance": AllowedValue(
         "thermal resistance times area", ("joint_resistance",), "m2 K W-1", "conductance"
     ),
     "contact_resistance": AllowedValue(
         "specific contact resistance", ("electrical_resistance",), "Ohm m2", "conductance"
     ),
-    "gap": AllowedValue("mean gap", (GAP,), "m", GAP),
+    "gap": AllowedValue("mean gap", (GAP,), "m", GAP, power=1),
     "contact_area": AllowedValue("relative contact area", (AREA,), "1", AREA, sense=-1),
 }
 # what is known of bodies that have crept under a constant load

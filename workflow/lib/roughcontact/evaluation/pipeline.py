@@ -197,7 +197,8 @@ def complete_statistics(
     complete = kind.with_corrected_sizes(complete, yielding)
     area = settings["contact"].get("area")
     complete = with_allowed(add_overview_line(complete), options, area=area)
-    complete = with_largest_roughness(complete, options, at_roughness, area=area)
+    linear = settings["contact"]["hardness"] is None
+    complete = with_largest_roughness(complete, options, at_roughness, area=area, linear=linear)
     result = add_verdicts(add_precision(complete).assign_attrs(_properties(window, settings)), window)
     return kind.add_improvement(result)
 

@@ -1,12 +1,13 @@
 """The roughness that meets a requirement: how large Sq may be, for a texture that is otherwise as measured.
 
-The heights of the window, and with them Sq, are multiplied until a number is just what is allowed. Each
-factor is solved, with the bound that every solution has, so that hardness, layers, film and gas are in it.
-(For elastic half-spaces the load curve would do: heights s times as large have s times the gap at s times
-the load.)
+Linear bodies need no further solution: with heights s times as large all displacements and pressures are so,
+and a number at the load p is s^n times that of the map at p/s, n its power of the heights: 1 of the gap,
+0 of the contact area and the conductance, 3 of a leak. The load curve that was solved has it. Hardness, gas
+and slip bring in a pressure or a length that stays: there each factor is solved, with the bound that every
+solution has, from the factor of the curve on, as where the curve ends or has too few loads.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cache, partial
 from typing import Any
 
@@ -18,6 +19,10 @@ from roughcontact.statistics.allowed import compared_ends, with_allowed
 
 MAX_FACTOR = 32.0  # on the heights: beyond it the surface is another one
 _TOLERANCE = 0.002  # of the logarithm of the factor: half a percent of a leak, the steepest number
+_DENSE = 0.35  # of it between two loads: a factor of 1.4, between which the curve is known to a percent
+_STEP = 0.05  # of it, the first one from the factor of the curve; each is twice as long as the last
+# lengths of them do not grow with the heights
+_STAYS = (("joint", "gas_conductivity"), ("seal", "mean_free_path"))
 
 
 def with_largest_roughness(
@@ -26,6 +31,7 @@ def with_largest_roughness(
     evaluate: Callable[[float, float], xr.Dataset],
     *,
     area: float | None = None,
+    linear: bool = False,
 ) -> xr.Dataset:
     """Return statistics with the largest Sq (m) with which each requirement holds, at each load.
 
@@ -39,13 +45,15 @@ def with_largest_roughness(
         factor on the heights, mean pressure (Pa) -> `contact_statistics` of that map under that load.
     area : float, m2, optional
         of the contact.
+    linear : bool
+        whether displacements are in proportion to pressures, without a hardness.
 
     Returns
     -------
     Dataset
         with `{name}_largest_Sq` (load; m) and its ends for each requirement that is stated: NaN where no
-        factor up to `MAX_FACTOR` decides. The number is taken to be as well known, in proportion, at the
-        other roughness.
+        factor up to `MAX_FACTOR` decides. The ends are those of the curve; of a number that is solved for,
+        it is taken to be as well known, in proportion, at the other roughness.
 
     Examples
     --------
@@ -65,59 +73,77 @@ def with_largest_roughness(
         return with_allowed(evaluate(float(np.exp(exponent)), load), settings, area=area)
 
     def logarithm(exponent: float, *, name: str, load: float) -> float:
-        with np.errstate(divide="ignore"):
-            return float(np.log(compared_ends(evaluated(exponent, load), name)[0, 0]))
+        return float(np.log(compared_ends(evaluated(exponent, load), name)[0, 0]))
 
+    scales = linear and not any((settings.get(part) or {}).get(key) for part, key in _STAYS)
+    loads = statistics["mean_pressure"].values
     columns: dict[str, Any] = {}
     for name, largest in (settings.get("requirement") or {}).items():
         if largest is None or f"{name}_holds" not in statistics:
             continue
-        limit = float(statistics[f"allowed_{name}"]) ** ALLOWED_VALUES[name].sense
-        factors = [
-            _largest_factors(partial(logarithm, name=name, load=load), span, limit)
-            for load, span in zip(
-                statistics["mean_pressure"].values, compared_ends(statistics, name).T, strict=True
-            )
-        ]
-        sizes = np.transpose(factors) * float(statistics["Sq"])
-        names = (f"{name}_largest_Sq{suffix}" for suffix in ENDS)
-        columns |= {key: ("load", row) for key, row in zip(names, sizes, strict=True)}
+        allowed, exponents = ALLOWED_VALUES[name], np.full((len(ENDS), loads.size), np.nan)
+        limit = allowed.sense * np.log(float(statistics[f"allowed_{name}"]))
+        with np.errstate(divide="ignore", invalid="ignore"):  # closed gaps, ends that are not known
+            # the upper end of a number is the lower one of the factor
+            ends = np.log(compared_ends(statistics, name))[[0, 2, 1]]
+            for index, load in enumerate(loads):
+                solved, shift = partial(logarithm, name=name, load=load), 0.0
+                for end, numbers in enumerate(ends):
+                    on_curve, is_dense = _on_curve(np.log(load / loads), numbers, allowed.power, limit)
+                    found = start = on_curve + shift
+                    # between few loads the value is solved for, and its ends go with it
+                    if not (scales and np.isfinite(found) and (is_dense or end > 0)):
+                        found = _solved_for(solved, limit, ends[0, index], numbers[index], start=start)
+                    if end == 0:
+                        shift = found - on_curve
+                    exponents[end, index] = found
+        sizes = np.exp(exponents) * float(statistics["Sq"])
+        columns |= {f"{name}_largest_Sq{end}": ("load", row) for end, row in zip(ENDS, sizes, strict=True)}
     return statistics.assign(columns)
 
 
-def _largest_factors(logarithm: Callable[[float], float], span: Sequence[float], limit: float) -> list[float]:
-    """Return the factors at which a number reaches its limit: by its value, its upper and its lower end.
+def _on_curve(exponents: np.ndarray, numbers: np.ndarray, power: int, limit: float) -> tuple[float, bool]:
+    """Return where the numbers of a load curve reach a limit, and whether its loads are close to each other.
 
-    `logarithm` is that of the number by that of the factor, with which it rises.
+    All are logarithms: of the factors with which each load is the one in question, and of the numbers. NaN
+    where the curve does not reach the limit.
     """
-    value, lower, upper = span
-    points = {0.0: logarithm(0.0)}
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # what the solution without corrections has to reach; where nothing leaks yet, the limit itself
-        targets = np.log(limit) + [
-            points[0.0] - np.log(bound) if bound > 0 and value > 0 else shift
-            for bound, shift in ((value, 0.0), (upper, np.nan), (lower, np.nan))
-        ]
-    return [float(np.exp(_exponent(logarithm, points, target))) for target in targets]
+    from scipy.interpolate import PchipInterpolator  # of a job that asks for it alone
+
+    order = np.argsort(exponents)
+    rising, exponents = (numbers + power * exponents)[order], exponents[order]
+    known = np.isfinite(rising) & (np.diff(np.fmax.accumulate(rising), prepend=-np.inf) > 0)
+    rising, exponents = rising[known], exponents[known]
+    if rising.size < 2 or not rising[0] <= limit <= rising[-1]:
+        return np.nan, False
+    above = max(1, int(np.searchsorted(rising, limit)))
+    width = exponents[above] - exponents[above - 1]
+    return float(PchipInterpolator(rising, exponents)(limit)), width < _DENSE
 
 
-def _exponent(logarithm: Callable[[float], float], points: dict[float, float], target: float) -> float:
-    """Return where a rising function reaches a target; `points` are known ones, and new ones join them."""
+def _solved_for(
+    solved: Callable[[float], float], limit: float, value: float, end: float, *, start: float
+) -> float:
+    """Return where a rising number reaches its limit by an end, NaN where it does not.
+
+    All are logarithms. `solved` are solutions without corrections, which the distance of the end holds.
+    """
     from scipy.optimize import brentq  # of a job that asks for it alone
 
-    if np.isnan(target):
+    is_open = np.isfinite([value, end]).all()
+    if np.isnan(end) or not (is_open or value == end):
         return np.nan
-    for step in (np.log(2.0), -np.log(2.0)):
-        while all((number > target) == (step < 0) for number in points.values()):
-            exponent = (max if step > 0 else min)(points) + step
-            if abs(exponent) > np.log(MAX_FACTOR) + 1e-9:
-                return np.nan
-            points[exponent] = logarithm(exponent)
-    highest = min(exponent for exponent, number in points.items() if number > target)
-    lowest = max((exponent for exponent, number in points.items() if number <= target and exponent < highest))
+    target = limit + solved(0.0) - end if is_open else limit  # where nothing leaks yet, the limit itself
 
     def excess(exponent: float) -> float:
-        points[exponent] = logarithm(exponent)
-        return float(np.clip(points[exponent] - target, -1e3, 1e3))
+        return float(np.clip(solved(exponent) - target, -1e3, 1e3))
 
-    return float(brentq(excess, lowest, highest, xtol=_TOLERANCE))
+    farthest = np.log(MAX_FACTOR)
+    inside = float(np.clip(np.nan_to_num(start), -farthest, farthest))
+    step = (_STEP if np.isfinite(start) else 4 * _STEP) * (1 if excess(inside) <= 0 else -1)
+    while step * inside < abs(step) * farthest:
+        outside = float(np.clip(inside + step, -farthest, farthest))
+        if (excess(outside) > 0) == (step > 0):
+            return float(brentq(excess, inside, outside, xtol=_TOLERANCE))
+        inside, step = outside, 2 * step
+    return np.nan

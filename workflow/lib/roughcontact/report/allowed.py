@@ -68,16 +68,15 @@ def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:
     --------
     >>> bounds = {"gap_largest_Sq_lower": [1.1e-7], "gap_largest_Sq_upper": [1.6e-7]}
     >>> _roughness_in_words({"gap_largest_Sq": [1.4e-7]} | bounds, "gap", 0)
-    '; holds for Sq up to 140 nm (110 nm to 160 nm) of this texture'
+    '; holds for Sq up to 140 nm (110 nm to 160 nm) of this texture with its S- and L-filter'
     """
     names = [f"{name}_largest_Sq{suffix}" for suffix in ENDS]
     if names[0] not in numbers or not np.isfinite(np.asarray(numbers[names[0]])[index]):
         return ""
     largest, *bounds = (float(np.asarray(numbers[key])[index]) for key in names)
     interval = " to ".join(quantity(bound, "m") for bound in bounds) if np.isfinite(bounds).all() else ""
-    return (
-        f"; holds for Sq up to {quantity(largest, 'm')}{f' ({interval})' if interval else ''} of this texture"
-    )
+    text = f"; holds for Sq up to {quantity(largest, 'm')}{f' ({interval})' if interval else ''}"
+    return f"{text} of this texture with its S- and L-filter"
 
 
 def _load_in_words(numbers: Numbers, name: str) -> str:

@@ -32,6 +32,14 @@ _SYMBOLS = {
     "t": "thickness",
 }
 
+# key -> why it is no setting, and the way out
+_NO_SETTINGS = dict.fromkeys(
+    [f"statistics.requirement.{key}" for key in ("lengths", "wavelength", "Sal", "RSm")],
+    "no factor on the lengths is offered: with it the S- and the L-filter of the map move, too, and nobody "
+    "has measured the waves that come between the old and the new ones. Leave it out: the largest Sq is that "
+    "of the same lengths; of a finer grinding measure a face",
+)
+
 
 def name_mistake(name: str) -> str:
     """Return what is wrong with the name of a surface or a case, an empty text for a good one.
@@ -101,6 +109,8 @@ def reason(detail: ErrorDetails) -> str:
     field = field_at(location)
     meaning = (field.description if field else None) or ""
     if detail["type"] == "extra_forbidden":
+        if text := _NO_SETTINGS.get(_dotted(location)):
+            return f": {text}"
         key, valid = str(location[-1]), fields_at(location[:-1])
         symbol = _SYMBOLS.get(key.lower())  # E, nu, H as in a textbook
         hint = f"did you mean {symbol}?" if symbol in valid else nearest(key, valid)
