@@ -65,11 +65,14 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
         if steps.size:
             slopes += float(np.mean(np.square(steps, out=steps)))
     del steps  # memory may not hold more than is needed of a large map
+    # products: a power takes twenty times as long
+    scaled = z / (sq or math.nan)
+    squares = np.square(scaled)
     return {
         "Sa": float(np.mean(np.abs(z))),
         "Sq": sq,
-        "Ssk": float(np.mean((z / sq) ** 3)) if sq > 0 else math.nan,
-        "Sku": float(np.mean((z / sq) ** 4)) if sq > 0 else math.nan,
+        "Ssk": float(np.mean(np.multiply(squares, scaled, out=scaled))),
+        "Sku": float(np.mean(np.square(squares, out=squares))),
         "Sp": float(z.max()),
         "Sv": float(-z.min()),
         "Sz": float(np.ptp(z)),

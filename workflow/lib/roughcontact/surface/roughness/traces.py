@@ -191,12 +191,14 @@ def _floor(power: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:
 def _derivatives(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[np.ndarray], list[np.ndarray]]:
     # points far apart, whose derivatives are hardly correlated
     """Return first and second derivatives along each axis at some points of the map."""
-    stride = max(1, values.size // _SAMPLE)
-    sample = values.ravel()[::stride]
+    places = np.unravel_index(np.arange(0, values.size, max(1, values.size // _SAMPLE)), values.shape)
     slopes, seconds = [], []
-    for axis, pitch in enumerate(steps):
-        if values.shape[axis] > 1:
-            behind, ahead = (np.roll(values, step, axis).ravel()[::stride] for step in (1, -1))
+    for axis, (pitch, points) in enumerate(zip(steps, values.shape, strict=True)):
+        if points > 1:
+            behind, sample, ahead = (
+                values[*places[:axis], (places[axis] + step) % points, *places[axis + 1 :]]
+                for step in (-1, 0, 1)
+            )
             slopes.append((ahead - behind) / (2 * pitch))
             seconds.append((behind + ahead - 2 * sample) / pitch**2)
     return slopes, seconds
