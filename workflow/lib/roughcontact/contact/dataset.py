@@ -1,6 +1,6 @@
 """A dimensionless solution as a labelled dataset in SI units."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -123,17 +123,19 @@ def carrying(pressure: np.ndarray, limit: float) -> np.ndarray:
 
 def joined(load_datasets: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return the datasets of the loads, from `load_result`, as one."""
+    first = load_datasets[0]
     if len(load_datasets) == 1:
-        return load_datasets[0]
-    return xr.concat(
-        load_datasets,
-        dim="load",
-        data_vars="minimal",
-        coords="minimal",
-        compat="override",
-        join="override",
-        combine_attrs="override",
-    )
+        return first
+
+    def along_load(name: Hashable, variable: xr.Variable) -> xr.Variable:
+        """Return a variable of all loads; `xr.concat` takes twenty times as long."""
+        if "load" not in variable.dims:
+            return variable
+        values = [load_dataset.variables[name].values for load_dataset in load_datasets]
+        return xr.Variable(variable.dims, np.concatenate(values, variable.dims.index("load")), variable.attrs)
+
+    variables = {name: along_load(name, variable) for name, variable in first.variables.items()}
+    return xr.Dataset(variables, attrs=first.attrs).set_coords(first.coords)
 
 
 def recorded_elasticity(contact: xr.Dataset) -> Elasticity:

@@ -8,9 +8,9 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
-# import statements anywhere in the source: parsing it takes five times as long
-_FROM_IMPORT = re.compile(r"^[ \t]*from[ \t]+([\w.]+)[ \t]+import[ \t]*(\([^)]*\)|[^\n]*)", re.MULTILINE)
-_IMPORT = re.compile(r"^[ \t]*import[ \t]+([^\n]*)", re.MULTILINE)
+# import statements anywhere in the source: parsing it takes five times as long, searching for `^` twice
+_FROM_IMPORT = re.compile(r"\n[ \t]*from[ \t]+([\w.]+)[ \t]+import[ \t]*(\([^)]*\)|[^\n]*)")
+_IMPORT = re.compile(r"\n[ \t]*import[ \t]+([^\n]*)")
 _STRING = re.compile(r"""(["'])([A-Za-z_][\w.]*)\1""")
 _COMMENT = re.compile(r"#[^\n]*")
 READERS = (
@@ -66,7 +66,7 @@ def _closure(script: str) -> set[str]:
 @cache
 def _imported(path: str) -> tuple[str, ...]:
     """Return the files of the modules that `path` imports itself, and those of the folders it names."""
-    text, folder = _content(path).decode(), os.path.dirname(path)
+    text, folder = "\n" + _content(path).decode(), os.path.dirname(path)
     names = [name for names_text in _IMPORT.findall(text) for name in _listed(names_text)]
     for module, names_text in _FROM_IMPORT.findall(text):
         names += [module, *(f"{module}.{name}" for name in _listed(names_text))]
