@@ -1,6 +1,6 @@
 """What the numbers of each kind of problem are beside those of a periodic map, and which checks it has."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,8 +10,11 @@ from roughcontact.arguments.finite_body import recover_roughness
 from roughcontact.arguments.kinds import FINITE_BODY, KIND_FACTS, PERIODIC_MAP, KindFacts, facts_of
 from roughcontact.arguments.quantities import pressure_unit, quantity
 from roughcontact.arguments.variables import Numbers
+from roughcontact.errors import SettingsError
 from roughcontact.statistics.finite_body import finite_body_columns, hertz_contact
 from roughcontact.statistics.outcome import CheckName
+
+_SAME_SIZE = 1e-6  # relative
 
 
 class KindNumbers(NamedTuple):
@@ -76,3 +79,26 @@ def load_in_words(pressure: float, numbers: Numbers) -> tuple[str, str]:
     load = pressure * np.asarray(numbers[kind.load]).flat[0].item() / mean
     unit = pressure_unit(float(numbers["contact_modulus"]))
     return kind.load_in_words, unit.text(load) if kind.load_unit == "Pa" else quantity(load, kind.load_unit)
+
+
+def check_sizes(label: str, datasets: Sequence[xr.Dataset]) -> None:
+    """Reject bodies of finite size beside periodic maps, or on maps, or groups of maps, of other size."""
+    sizes = [size_of_body(data) for data in datasets]
+    if len({np.isfinite(size) for size in sizes}) > 1:
+        raise SettingsError(
+            f"{label}: a body of finite size and one without end, whose relative area and mean gap at a mean "
+            "pressure are not the same numbers; give both the same contact.boundary"
+        )
+    if max(sizes) > min(sizes) * (1 + _SAME_SIZE):
+        raise SettingsError(
+            f"{label}: its maps differ in size, over which the mean pressure and the relative area of a body "
+            "of finite size are taken, so that equal forces are other loads; cut them to one size"
+        )
+
+
+def size_of_body(data: xr.Dataset) -> float:
+    """Return the size (m²) of the maps of a body of finite size; NaN for a periodic map."""
+    kind = facts_of_numbers(data)
+    if not kind.own_numbers:
+        return float(data.attrs.get("body_size", np.nan))
+    return float((data[kind.load] / data["mean_pressure"])[0])

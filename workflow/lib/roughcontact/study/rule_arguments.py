@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.arguments.bodies import relaxation_table
-from roughcontact.arguments.lays import lay_facts
 from roughcontact.study.checksums import checksum
 from roughcontact.study.dependencies import source_digest
 from roughcontact.study.places import PARTIAL
@@ -158,10 +157,7 @@ class RuleArguments:
         if not result:
             return 0
         row = self.plan.row(split(result)[1])
-        # of profiles without a lay, or of both directions, a surface is solved
-        is_surface_behind = lay_facts(row.read_arguments).has_surface_behind or "along" in row.read_arguments
-        least_points = 2**18 if is_surface_behind else 0
-        return max(estimate_points(row.path), least_points)
+        return max(estimate_points(row.path), 2**18 if row.has_surface_behind else 0)
 
     def _code(self, script: str) -> str:
         """Return the checksum of the modules that a script, or that of a rule, imports."""

@@ -22,6 +22,7 @@ from pydantic import ValidationError
 
 from roughcontact.arguments.checking import check_choice
 from roughcontact.arguments.choices import Checksum, FirstRow, LayInGroup, Resampling
+from roughcontact.arguments.lays import lay_facts
 from roughcontact.arguments.positions import parse_position, separate_positions
 from roughcontact.arguments.rectangles import parse_rectangles
 from roughcontact.arguments.settings.messages import name_mistake, nearest, reason
@@ -128,6 +129,11 @@ class Surface:
     def lay(self) -> str:
         """The direction of a profile to the lay of its surface, empty of a map."""
         return str(self.read_arguments.get("lay", ""))
+
+    @property
+    def has_surface_behind(self) -> bool:
+        """Whether a surface behind profiles is solved: of profiles without a lay, or of both directions."""
+        return lay_facts(self.read_arguments).has_surface_behind or "along" in self.read_arguments
 
     @property
     def properties(self) -> tuple[str, ...]:

@@ -16,9 +16,10 @@ from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.quantities import percent
 from roughcontact.arguments.si import as_declared
 from roughcontact.errors import SettingsError
+from roughcontact.statistics.kinds import check_sizes
 from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads
 from roughcontact.uncertainty.combination import SIGNS, SOURCES
-from roughcontact.uncertainty.groups import check_alike, check_sizes, needed_for_groups, scaled_components
+from roughcontact.uncertainty.groups import check_alike, needed_for_groups, scaled_components
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.improvement import ADVICE
 from roughcontact.uncertainty.members import SHARED

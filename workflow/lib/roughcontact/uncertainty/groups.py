@@ -20,7 +20,7 @@ from roughcontact.arguments.measurement import json_attributes
 from roughcontact.arguments.quantities import quantity
 from roughcontact.errors import SettingsError
 from roughcontact.io.instrument_kinds import of_name
-from roughcontact.statistics.kinds import facts_of_numbers
+from roughcontact.statistics.kinds import check_sizes, size_of_body
 from roughcontact.statistics.load_pairs import common_loads, interpolated, same_load
 from roughcontact.surface.window.band import is_limited_by_grid
 from roughcontact.uncertainty.calibration import scatter_between_maps
@@ -39,7 +39,7 @@ from roughcontact.uncertainty.random_effects import grubbs_outliers, moderated, 
 from roughcontact.uncertainty.scales import ANSWERS, QUANTITIES, from_scale, to_scale
 
 MIN_FOR_INTERVAL = 3  # parts, or maps, below which there is a range instead of an interval
-_SAME = 1e-6  # relative, of moduli and sizes
+_SAME = 1e-6  # relative, of moduli
 # largest ratio of the limits of the bands of two maps: a tenth at the short end changes the area by 2 % (at a
 # Hurst exponent of 0.8); the long end matters to the gap alone, and windows differ in size
 _SAME_BAND = {"shortest": 1.1, "longest": 2.0}
@@ -142,7 +142,7 @@ def group_statistics(
                 f"{label}: {name} holds several surfaces; select one of them for each map (.sel(surface=...))"
             )
     datasets = [_drop_padding(data) for data in datasets]
-    size = _body_size(datasets[0])
+    size = size_of_body(datasets[0])
     members = members_of_group(placements=placements, finite=not np.isnan(size))
     contents = [_content(data) for data in datasets]
     for name, content in zip(names, contents, strict=True):
@@ -306,29 +306,6 @@ def scaled_at(name: str, dataset: xr.Dataset, loads: np.ndarray) -> tuple[np.nda
     own_loads, values = dataset["mean_pressure"].values, to_scale(name, dataset[name].values)
     components = scaled_components(name, dataset)
     return interpolated(own_loads, loads, values), interpolated(own_loads, loads, components)
-
-
-def check_sizes(label: str, datasets: Sequence[xr.Dataset]) -> None:
-    """Reject bodies of finite size beside periodic maps, or on maps, or groups of maps, of other size."""
-    sizes = [_body_size(data) for data in datasets]
-    if len({np.isfinite(size) for size in sizes}) > 1:
-        raise SettingsError(
-            f"{label}: a body of finite size and one without end, whose relative area and mean gap at a mean "
-            "pressure are not the same numbers; give both the same contact.boundary"
-        )
-    if max(sizes) > min(sizes) * (1 + _SAME):
-        raise SettingsError(
-            f"{label}: its maps differ in size, over which the mean pressure and the relative area of a body "
-            "of finite size are taken, so that equal forces are other loads; cut them to one size"
-        )
-
-
-def _body_size(data: xr.Dataset) -> float:
-    """Return the size (m²) of the maps of a body of finite size; NaN for a periodic map."""
-    kind = facts_of_numbers(data)
-    if not kind.own_numbers:
-        return float(data.attrs.get("body_size", np.nan))
-    return float((data[kind.load] / data["mean_pressure"])[0])
 
 
 def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:
