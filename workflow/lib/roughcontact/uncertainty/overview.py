@@ -107,13 +107,13 @@ def scatter_with_overviews(
     number: int,
 ) -> Scatter:
     """Return the scatter of the subwindows of a map, with what its overviews (y, x; m) show."""
-    alone = scatter_of_subwindows(result, levelled, arguments=arguments, number=number)
-    if not alone.features:
-        return alone
+    scatter = scatter_of_subwindows(result, levelled, arguments=arguments, number=number)
+    if not scatter.features:
+        return scatter
     fine = placing.measured_rectangle(levelled)
     views = [_view(result, fine, overview, overviews, arguments) for overview in overviews]
     sentences = [_sentence(fine, overview) for overview in overviews]
-    return with_views(alone._replace(overview=" ".join(sentences)), result, views)
+    return with_views(scatter._replace(overview=" ".join(sentences)), result, views)
 
 
 def _sentence(fine: xr.DataArray, overview: xr.DataArray) -> str:
@@ -132,16 +132,17 @@ def _view(
     arguments: Mapping[str, Any],
 ) -> View:
     """Return what an overview shows of other places than that of the map."""
-    own = None
-    for other in (overview, *overviews):  # those with its pixels, as maps of one instrument have
-        is_like_it = np.allclose(spacing(other), spacing(overview), rtol=_SAME_PIXELS)
-        if own is None and is_like_it and (place := placing.recorded_place(other)):
-            own = other.isel(window_of_place(fine, other, place))
-    footprint = placing.shown_by(fine, overview) if own is None else own
+    footprint = None
+    for field in (overview, *overviews):  # those with its pixels, as maps of one instrument have
+        is_like_it = np.allclose(spacing(field), spacing(overview), rtol=_SAME_PIXELS)
+        if footprint is None and is_like_it and (place := placing.recorded_place(field)):
+            footprint = field.isel(window_of_place(fine, field, place))
+    sees_map = footprint is not None
+    footprint = placing.shown_by(fine, overview) if footprint is None else footprint
     return View(
         transfers_of(result, form_order(fine), footprint, overview, arguments),
         pixels=math.sqrt(math.prod(spacing(overview)) / math.prod(spacing(fine))),
-        sees_map=own is not None,
+        sees_map=sees_map,
         field=math.prod(field_ratios(fine, overview)),
     )
 
@@ -154,45 +155,47 @@ def field_ratios(fine: xr.DataArray, overview: xr.DataArray) -> tuple[float, flo
 
 def window_of_place(fine: xr.DataArray, overview: xr.DataArray, place: placing.Place) -> Slices:
     """Return rows and columns of the place of a map in the overview around it."""
-    own = {}
+    window = {}
     for axis, n, step, side in zip("yx", overview.shape, spacing(overview), side_lengths(fine), strict=True):
         points = min(n, round(side * place.scale / step))
         middle = (getattr(place, axis) - float(overview[axis][0])) / step
         first = min(max(0, round(middle - (points - 1) / 2)), n - points)
-        own[axis] = slice(first, first + points)
-    return own
+        window[axis] = slice(first, first + points)
+    return window
 
 
 def windows_of_places(shape: tuple[int, ...], overview: xr.DataArray) -> list[Slices]:
     """Return rows and columns of the places of an overview, of as many points as that of the map has."""
     tiles = []
     for n, points in zip(overview.shape, shape, strict=True):
-        begins = np.linspace(0, n - points, min(n // points, MAX_PLACES)).round().astype(int)
-        tiles.append([slice(begin, begin + points) for begin in begins.tolist()])
+        starts = np.linspace(0, n - points, min(n // points, MAX_PLACES)).round().astype(int)
+        tiles.append([slice(start, start + points) for start in starts.tolist()])
     return [{"y": y, "x": x} for y, x in product(*tiles)]
 
 
 def transfers_of(
-    result: Result, order: int, own: xr.DataArray, overview: xr.DataArray, arguments: Mapping[str, Any]
+    result: Result, order: int, footprint: xr.DataArray, overview: xr.DataArray, arguments: Mapping[str, Any]
 ) -> dict[str, Transfer]:
     """Return what an overview shows of area, gap and conductance of a result.
 
-    `own` is the place of the map with the pixels of the overview, `order` that of the form to remove.
+    `footprint` is the place of the map with the pixels of the overview, `order` that of the form to remove.
     `arguments` are those of `periodic_window` of the fine map, without a correction for its instrument.
     """
-    kept = {key: value for key, value in arguments.items() if key not in ("placement", "min_share")}
-    options = kept | {"correct_for": None}
-    places = [overview.isel(window) for window in windows_of_places(own.shape, overview)]
-    pieces = [relevelled(piece, order) for piece in (own, *places, overview)]
+    options = {key: value for key, value in arguments.items() if key not in ("placement", "min_share")}
+    options |= {"correct_for": None}
+    places = [overview.isel(window) for window in windows_of_places(footprint.shape, overview)]
+    pieces = [relevelled(piece, order) for piece in (footprint, *places, overview)]
     coarser = [piece.coarsen(y=2, x=2, boundary="trim").mean() for piece in pieces[:-1]]
     at_places, octave = (
         _results(result, [subwindow(piece, **options) for piece in windows]) for windows in (pieces, coarser)
     )
     transfers = {}
     for name in at_places:
-        of_map, *others, joint = at_places[name]
-        scatter = (np.std(values, axis=0, ddof=1) for values in (np.array(others) - octave[name][1:], others))
-        numbers = np.mean(others, axis=0) - of_map, joint - of_map, *scatter
+        of_map, *elsewhere, joint = at_places[name]
+        scatter = (
+            np.std(values, axis=0, ddof=1) for values in (np.array(elsewhere) - octave[name][1:], elsewhere)
+        )
+        numbers = np.mean(elsewhere, axis=0) - of_map, joint - of_map, *scatter
         transfers[name] = Transfer(*map(result.extend_to_loads, numbers))
     return transfers
 
@@ -208,7 +211,7 @@ def _results(result: Result, windows: list[xr.DataArray]) -> dict[str, np.ndarra
     return {name: to_scale(name, values) for name, values in scaled.members(windows).items()}
 
 
-def with_views(alone: Scatter, result: Result, views: Sequence[View]) -> Scatter:
+def with_views(scatter: Scatter, result: Result, views: Sequence[View]) -> Scatter:
     """Return the scatter of a map with the shifts and the arms that its overviews give."""
     arms: dict[Measurand, dict[str, tuple[np.ndarray, np.ndarray]]] = {}
     shift: dict[str, np.ndarray] = {}
@@ -216,27 +219,27 @@ def with_views(alone: Scatter, result: Result, views: Sequence[View]) -> Scatter
     area, gap = result.values[AREA], result.values[GAP] / float(result.window.std())
     largest = max(views, key=lambda view: (view.sees_map, view.field))
     for name, key in product(views[0].transfers, (*MEASURANDS, ALONE, JOINT)):
-        ends = np.array(calibration.arms(key, name, alone.features[name], area, gap))
+        ends = np.array(calibration.arms(key, name, scatter.features[name], area, gap))
         centre = np.zeros(area.shape)
         if key in OTHER_PLACES:
-            telling, gradient = [largest] if key == JOINT else views, alone.features[name]["gradient"]
-            shown = [view.numbers(key, name, area, gradient) for view in telling]
+            telling, gradient = [largest] if key == JOINT else views, scatter.features[name]["gradient"]
+            numbers = [view.numbers(key, name, area, gradient) for view in telling]
             # NaN where all overviews, or the own place in them, are closed
-            centre, *bounds = _combined(np.array(shown))
+            centre, *bounds = _combined(np.array(numbers))
             centre, ends = np.nan_to_num(centre), np.where(np.isnan(bounds), ends, bounds)
         # of the measurands the surface is the first
         joint[name] = centre - shift.setdefault(name, centre)
         arms.setdefault(key, {})[name] = ends[0] - joint[name], ends[1] + joint[name]
-    return alone._replace(arms=arms, shift=shift, joint=joint)
+    return scatter._replace(arms=arms, shift=shift, joint=joint)
 
 
-def _combined(shown: np.ndarray) -> np.ndarray:
+def _combined(numbers: np.ndarray) -> np.ndarray:
     """Return the centre and arms (3, load) of several overviews (overview, 3, load); NaN where none tells.
 
     The narrower ones count more; as they have the map, and places, in common, their arms are averaged too.
     """
-    tells = np.isfinite(shown).all(axis=1)
-    width = np.where(tells, shown[:, 1] + shown[:, 2], np.inf)
+    tells = np.isfinite(numbers).all(axis=1)
+    width = np.where(tells, numbers[:, 1] + numbers[:, 2], np.inf)
     weights = np.where(tells, width, np.inf) ** -2.0
     weights = np.where(tells.any(axis=0), weights / np.maximum(weights.sum(axis=0), 1e-300), np.nan)
-    return (weights[:, None] * np.where(tells[:, None], shown, 0.0)).sum(axis=0)
+    return (weights[:, None] * np.where(tells[:, None], numbers, 0.0)).sum(axis=0)
