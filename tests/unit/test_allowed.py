@@ -163,7 +163,7 @@ def test_a_seal_says_in_all_files_whether_and_from_which_load_on_it_holds(rubber
         *frame
     }
     assert allowed_in_words(rubber, "leak", 1).startswith("leak of at most 0.100 ml/h: holds, ")
-    assert allowed_in_words(rubber, "pressure", 1).endswith("holds, up to 1000 kPa at least")
+    assert allowed_in_words(rubber, "pressure", 1).endswith("holds, up to 1.00 MPa at least")
 
 
 def numbers_of(holds, crossing, lower, upper):
@@ -182,7 +182,10 @@ def numbers_of(holds, crossing, lower, upper):
         ((1, 1.8e6, 1.2e6, 3.4e6), "holds, from 1.80 MPa on (1.20 MPa to 3.40 MPa)"),
         ((0, 1.8e6, 1.2e6, np.nan), "does not hold, would hold from 1.80 MPa on (1.20 MPa or more)"),
         ((np.nan, 1.8e6, 0.0, 3.4e6), "not decided, would be from 1.80 MPa on (3.40 MPa or less)"),
-        ((np.nan, 1e6, 0.0, 3.4e6), "not decided, would be at 1.00 MPa already (3.40 MPa or less)"),
+        (
+            (np.nan, 1e6, 0.0, 3.4e6),
+            "not decided, would be from 1.00 MPa or less on (decided from 3.40 MPa on)",
+        ),
         ((0, np.nan, 5e6, np.nan), "does not hold, would hold beyond the loads solved (5.00 MPa or more)"),
     ],
 )

@@ -268,7 +268,7 @@ def test_the_total_of_a_joint_comes_first_with_what_is_allowed():
     surface |= {"resistance_holds_from_lower": 0.0, "resistance_holds_from_upper": 1e6}
     numbers = xr.Dataset({name: ("load", [value]) for name, value in joint.items()} | surface)
     line = glance.answer_line(numbers, 0, glance.glance_rows(numbers, indices=[0])[0])
-    start = "Resistance 0.0050 ± 0.0010 mΩ of at most 1.00 mΩ: holds, at 1.00 MPa already. At 1.00 MPa: "
+    start = "Resistance 0.0050 ± 0.0010 mΩ at 1.00 MPa, of at most 1.00 mΩ: holds, from 1.00 MPa or less on. "
     assert line.startswith(start)
 
 

@@ -14,7 +14,6 @@ from scipy.special import ellipk
 import roughcontact as rc
 from roughcontact import height_map, read_dataset
 from roughcontact.arguments.finite_body import recover_roughness
-from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.settings.stages import stage_settings
 from roughcontact.contact.elasticity.closed_forms import hertz, hertz_ellipse
@@ -70,6 +69,10 @@ def test_smooth_ball_is_that_of_hertz():
     assert answer["hertz_radius"].item() == pytest.approx(exact["contact_radius"])
     assert answer["contact_radius"].item() == pytest.approx(exact["contact_radius"], rel=2e-3)
     assert -answer["approach"].item() == pytest.approx(exact["approach"], rel=2e-3)
+    # the apex lies between four points, 1.2 nm above the highest
+    assert answer["mutual_approach"].item() == pytest.approx(exact["approach"], rel=3e-3)
+    low, high = (answer[f"mutual_approach_{end}"].item() for end in ("lower", "upper"))
+    assert low <= exact["approach"] <= high < 1.01 * low
     assert answer["max_pressure"].item() == pytest.approx(answer["hertz_max_pressure"].item(), rel=5e-3)
     # dF/dδ = 2 E* a over the area of the map, and the energy 2/5 F δ
     area = 160 * 200 * 25e-12
@@ -227,18 +230,20 @@ def test_budget_of_a_ball_has_its_sources():
 
 
 def test_other_positions_lie_in_the_interval():
-    """Balls at places that the budget has not solved: at least 15 of 16 areas within the interval of 95 %."""
+    """Balls at places that the budget has not solved: 15 of 16 numbers lie in the interval of 95 %."""
     answer = rc.evaluate(ground(1.5e-7), contact=FREE, form={"radius": "5 mm"})
-    low, high = (answer[f"relative_contact_area_next_{side}"].item() for side in ("lower", "upper"))
-    rng, inside = np.random.default_rng(7), 0
+    names = ("relative_contact_area", "mutual_approach")
+    rng, inside = np.random.default_rng(7), dict.fromkeys(names, 0)
     for _ in range(16):
         roughness = ground(1.5e-7)
         shift = rng.integers(-50, 50, 2)
         moved = roughness.copy(data=np.roll(roughness.values, shift, (0, 1)))
         contact = rc.solve_contact(finite_body(moved, radius=[5e-3]), **FREE)
-        area = rc.contact_statistics(contact, flow="never")["relative_contact_area"].item()
-        inside += low <= area <= high
-    assert inside >= 15
+        numbers = rc.contact_statistics(contact, flow="never")
+        for name in names:
+            low, high = (answer[f"{name}_next_{side}"].item() for side in ("lower", "upper"))
+            inside[name] += low <= numbers[name].item() <= high
+    assert min(inside.values()) >= 15
 
 
 def test_half_as_large_pixels_agree_with_hertz():
@@ -749,8 +754,10 @@ def test_the_page_of_a_body_shows_force_and_radius_and_no_empty_interval():
     assert [row[0]._replace(outcome="") for row in rows] == [Cell("20.0 mN"), Cell("50.0 mN")]
     headings = [load_heading([answer]), *(HEADINGS[place] for place in places[1:])]
     assert headings == ["force", "contact radius", "approach", "largest pressure"]
-    approach = [rows[1][place].text for place in places if HEADINGS[place] == "approach"]
-    assert approach == [quantity(-float(answer["approach"][1]), "m")]
+    (approach,) = (rows[1][place] for place in places if HEADINGS[place] == "approach")
+    distance, _, unit = approach.text.partition(" ")
+    assert float(distance) * 1e-9 == pytest.approx(answer["mutual_approach"][1].item(), rel=5e-3)
+    assert (unit, approach.details[0], approach.precision) == ("nm", "−", "to ± 20 %")
     table = number_tables(answer, [[], []])[0]
     titles = [title for title, *_ in table["header"]]
     cells = dict(zip(titles, table["rows"][1]["cells"], strict=True))

@@ -526,7 +526,7 @@ def test_advice_on_spikes_knows_the_threshold_that_was_applied(good):
         "Spikes beyond 6.0 standard deviations are removed already" in checks_by_name["Steep places"].sentence
     )
     for window in (steep, steep | {"outlier_threshold": 0.0}):
-        assert "with level.outlier_threshold" in outcomes(good, window=window)[0]["Steep places"].sentence
+        assert "(level.outlier_threshold)" in outcomes(good, window=window)[0]["Steep places"].sentence
 
 
 def test_pressures_beyond_any_hardness_are_remarked(good):

@@ -188,8 +188,16 @@ def test_levelling_aligns_by_default_where_it_is_clear():
     ("attributes", "outcome", "word"),
     [
         ({}, PASSED, "No random shift"),
-        ({"evidence": "clear", "alignment": "jitter"}, REVIEW, "Compare level.line_alignment: none"),
-        ({"evidence": "clear", "alignment": "none"}, REVIEW, "Compare level.line_alignment: jitter"),
+        (
+            {"evidence": "clear", "alignment": "jitter"},
+            REVIEW,
+            "Compare without that (level.line_alignment: none)",
+        ),
+        (
+            {"evidence": "clear", "alignment": "none"},
+            REVIEW,
+            "Compare with every row aligned (level.line_alignment: jitter)",
+        ),
         ({"evidence": "clear", "alignment": "median", "by": "user"}, PASSED, "as asked (median)"),
         ({"evidence": "clear", "alignment": "jitter", "jitter": 0.01}, PASSED, "1.00 %"),
         ({"evidence": "doubtful", "alignment": "none"}, REVIEW, "drift of the scanner or a lay"),

@@ -432,7 +432,7 @@ def test_where_rounding_stops_the_iteration_there_is_no_flow_factor():
         (1e-3, 9e5, [], ""),
         (1e-3, 1.1e6, [0], "The fluid presses with up to 1.10 MPa, more than the bodies at 1 of 3 loads"),
         (1e-3, 1e8, [0, 1, 2], "more than the bodies at 3 of 3 loads"),
-        (1.8e-5, 1.0133e5, [0, 1, 2], "State the outlet_pressure and the mean_free_path of the gas"),
+        (1.8e-5, 1.0133e5, [0, 1, 2], "State outlet pressure and mean free path of the gas"),
         (1.8e-5, 1.1e6, [0, 1, 2], "more than the bodies at 1 of 3 loads"),
     ],
 )

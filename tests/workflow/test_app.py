@@ -272,7 +272,9 @@ class TestFiveSteps:
             browser.wait("getComputedStyle(document.querySelector('#report')).display === 'block'")
             browser.wait("document.querySelector('#results').children.length === 3")
             assert browser.text("#results").count("To halve the ± of the contact area: ") == 3
-            assert browser.evaluate("document.documentElement.scrollHeight <= innerHeight")  # one bar scrolls
+            for width in (400, 1200):  # one bar scrolls
+                browser.resize(width)
+                assert browser.evaluate("document.documentElement.scrollHeight <= innerHeight"), width
             assert browser.evaluate("document.querySelector('nav').getBoundingClientRect().top") >= 0
             assert "3 results:" in browser.text_of_frame()
             picture(browser, "app-look")

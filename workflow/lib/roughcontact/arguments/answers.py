@@ -13,6 +13,7 @@ import numpy as np
 
 AREA, GAP, PEAK, PRESSURE = "relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure"
 CONDUCTANCE, FRICTION = "conductance_per_conductivity", "hysteretic_friction_coefficient"
+APPROACH = "mutual_approach"
 ENDS = ("", "_lower", "_upper")  # of the names of a quantity: the value, and the ends of its interval
 OPPOSITE_ENDS = dict(zip(ENDS, ("", "_upper", "_lower"), strict=True))  # those of the inverse of it
 
@@ -60,6 +61,7 @@ QUANTITIES = {
     # more load brings new patches, which carry less: it may fall
     PRESSURE: Quantity("pressure in contact", 0, limits=_pressure_limits),
     CONDUCTANCE: Quantity("conductance over the mean conductivity", 1),
+    APPROACH: Quantity("approach", 1),  # of a body of finite size
     # they may be closed, and a closed one has no logarithm
     "critical_constriction_x": Quantity("narrowest place along x", -1, "length"),
     "critical_constriction_y": Quantity("narrowest place along y", -1, "length"),
@@ -148,7 +150,7 @@ USUAL = (AREA, PRESSURE, GAP)  # what is shown where nothing in particular is as
 # column of a table at a glance -> the numbers of which any shows that it is asked for
 ASKED_BY = {
     "contact_radius": ("contact_radius",),
-    "approach": ("contact_radius",),
+    APPROACH: (APPROACH,),
     "sealing": ("leak_rate_x",),
     PEAK: ("contact_radius", "allowed_pressure"),
     "conductance": ("joint_conductance", "temperature_drop", "allowed_resistance"),

@@ -128,8 +128,8 @@ def quantity(value: float, unit: str = "1", *, digits: int = 3) -> str:
     return text if unit == "1" else f"{text} {symbol}"
 
 
-def pressure_unit(contact_modulus: float) -> Unit:
-    """Return the unit of all pressures between bodies of a contact modulus, whatever their size.
+def pressure_unit(contact_modulus: float, heaviest_load: float = 0.0) -> Unit:
+    """Return the unit of all pressures between bodies of a contact modulus, up to a load.
 
     So loads, pressures and hardness of one contact, and of other surfaces of the same bodies, have the same
     unit and can be compared.
@@ -138,21 +138,26 @@ def pressure_unit(contact_modulus: float) -> Unit:
     ----------
     contact_modulus : float, Pa
         E*; NaN where it is not known.
+    heaviest_load : float, Pa
+        the largest mean pressure.
 
     Returns
     -------
     Unit
-        MPa, below 10 MPa (soft rubber) kPa, below 100 kPa (gels) Pa.
+        MPa; kPa of moduli below 10 MPa (soft rubber) and loads below 1 MPa, Pa of moduli below 100 kPa (gels)
+        and loads below 1 kPa.
 
     Examples
     --------
     >>> pressure_unit(115e9).symbol, pressure_unit(2e6).symbol, pressure_unit(1e3).symbol
     ('MPa', 'kPa', 'Pa')
+    >>> pressure_unit(2e6, 2e6).symbol
+    'MPa'
     """
     # one unit for all pressures of a page, whatever each would have by itself
-    if contact_modulus < 1e5:
+    if contact_modulus < 1e5 and heaviest_load < 1e3:
         return Unit(1.0, "Pa")
-    return Unit(1e-3, "kPa") if contact_modulus < 1e7 else Unit(1e-6, "MPa")
+    return Unit(1e-3, "kPa") if contact_modulus < 1e7 and heaviest_load < 1e6 else Unit(1e-6, "MPa")
 
 
 def height_unit(rms_height: float) -> Unit:

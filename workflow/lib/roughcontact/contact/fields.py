@@ -20,8 +20,8 @@ from roughcontact.kernels.arrays import SINGLE
 
 def solved_fields(
     window: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float, precision: str = SINGLE
-) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Yield index, pressure (Pa) and gap (m) of every load of a map (y, x; m) from the smallest on.
+) -> Iterator[tuple[int, np.ndarray, np.ndarray, float]]:
+    """Yield index, pressure (Pa), gap and approach (m) of every load of a map (y, x; m) from the smallest on.
 
     Of the arguments `contact` of `solve_contact` the elasticity, loads, `boundary`, `hardness`, `influence`
     and `threads` count. A load that misses the tolerance, or under which the contact leaves the map, is left
@@ -43,6 +43,6 @@ def solved_fields(
     )
     with contextlib.suppress(HeightMapError):  # and larger loads leave it, too
         for index in order:
-            fields, solution, _ = next(solutions)
+            fields, solution, approach = next(solutions)
             if solution.error_bound <= tolerance:
-                yield int(index), fields.pressure, fields.gap
+                yield int(index), fields.pressure, fields.gap, approach

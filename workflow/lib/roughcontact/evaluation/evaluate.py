@@ -260,7 +260,8 @@ def tabulate_by_gap(statistics: xr.Dataset) -> xr.Dataset:
     """Return the statistics of one surface, with their flow factors, as `contact_table` does."""
     if "flow_factor_xx" not in statistics or "surface" in statistics.dims:
         raise SettingsError(
-            "the statistics are to be of one surface with flow factors (statistics.flow: always)"
+            "the statistics are to be of one surface with flow factors: solve it with --flow always, or with "
+            "flow: always in the section statistics"
         )
     # from the first touch to the closed gap, as codes of lubrication read it
     statistics = statistics.sortby("mean_gap", ascending=False)
@@ -312,4 +313,8 @@ def _interpolate_to_gaps(statistics: xr.Dataset, name: str, *, at_contact: float
     )
     smallest = np.fmin(possible.min(axis=1), heavier)
     largest = np.fmax(possible.max(axis=1), lighter)
-    return np.array([values, np.minimum(smallest, lighter), np.maximum(largest, heavier)])
+    ends = np.minimum(smallest, lighter), np.maximum(largest, heavier)
+    # from the closed gap to faces far apart: nothing is known
+    highest = np.inf if np.isnan(at_contact) else max(at_contact, far)
+    is_known = (ends[0] > np.fmin(at_contact, far)) | (ends[1] < highest)
+    return np.array([values, *np.where(is_known, ends, np.nan)])

@@ -50,7 +50,7 @@ _EXAMPLES = {
     "crate": "roughcontact crate results --configfile config/config.yaml",
 }
 
-# options of `init` for sections of the statistics
+# options of `init` and `solve` for sections of the statistics
 _DERIVED = {
     "seal": "the fluid that a seal holds, and its width",
     "joint": "the gas in the gap, and a film on the spots in contact",
@@ -64,7 +64,6 @@ _LOADS_AND_FORM = {
     "force": "forces, N, on the area, or on a body of finite size",
     "area": "nominal area that carries the force, m²",
     "form-radius": "of a ball or an ellipsoid, m, on which the map is the roughness (boundary: free)",
-    "allowed-pressure": "largest pressure allowed, Pa: the results then say whether it holds",
     "level-form": "form that is subtracted: plane (default), polynomial, sphere, cylinder (a bullet land)",
 }
 _COLUMNS = {
@@ -166,6 +165,7 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         from roughcontact.interface.command_line.options import add_settings
 
         add_settings(solve)
+        _add_derived(solve)
 
     init = add_verb("init", _init, "write settings and a table of surfaces, to change and to run")
     init.add_argument("files", nargs="*", metavar="FILE", help="measured height maps, or folders of them")
@@ -206,7 +206,7 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     )
 
     table = add_verb("table", _table, f"print {saving.EXPORTS['table'][0]}")
-    table.add_argument("file", metavar="RESULT", help=f"{_RESULT} (statistics.flow: always)")
+    table.add_argument("file", metavar="RESULT", help=f"{_RESULT} (of solve with --flow always)")
     table.add_argument("-o", "--output", type=Path, metavar="TABLE", help="write it, as .csv, .nc or .inp")
 
     compare = add_verb("compare", _compare, f"list {saving.EXPORTS['compare'][0]}")
@@ -259,7 +259,7 @@ def _endings(content: Mapping[str, str]) -> str:
 
 def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
     """Add the options of `init` for materials, loads, form, columns of the table and what is derived."""
-    from roughcontact.interface.command_line.options import add_body, keys_in_words
+    from roughcontact.interface.command_line.options import add_body
 
     add_body(parser)
     for option, text in _LOADS_AND_FORM.items():
@@ -268,9 +268,30 @@ def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--unload", action="store_true", help=text)
     for column, text in _COLUMNS.items():
         parser.add_argument(f"--{column}", metavar="TEXT", help=text)
+    _add_derived(parser)
+
+
+def _add_derived(parser: argparse.ArgumentParser) -> None:
+    """Add the options for what is derived from the contact."""
+    from roughcontact.interface.command_line.options import keys_in_words
+
+    group = parser.add_argument_group("what is derived from the contact")
+    text = "largest pressure allowed, Pa: the results then say whether it holds"
+    group.add_argument("--allowed-pressure", metavar="VALUE", help=text)
+    text = "always: solve the flow through the gap, for the verb table, without a seal, too"
+    group.add_argument("--flow", metavar="VALUE", help=text)
     for name, holds in _DERIVED.items():
         text = f"{holds}: {keys_in_words(f'statistics.{name}')}".replace("%", "%%")
-        parser.add_argument(f"--{name}", nargs="+", action="extend", metavar="KEY=VALUE", help=text)
+        group.add_argument(f"--{name}", nargs="+", action="extend", metavar="KEY=VALUE", help=text)
+
+
+def _derived(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the section `statistics` of the settings from the options of `_add_derived`."""
+    from roughcontact.interface.command_line.options import keyed
+
+    stated = {name: value for name in ("allowed_pressure", "flow") if (value := getattr(options, name))}
+    words_of = {name: words for name in _DERIVED if (words := getattr(options, name)) is not None}
+    return stated | {name: keyed(f"--{name}", words) for name, words in words_of.items()}
 
 
 def _add_overview(parser: argparse.ArgumentParser) -> None:
@@ -374,7 +395,7 @@ def _solve(options: argparse.Namespace) -> int:
     from roughcontact.interface.command_line.solving import solve_file, solve_files
 
     try:
-        settings = chosen_settings(options)
+        settings = chosen_settings(options, _derived(options))
         arguments, threads = (_read_arguments(options), settings), options.threads
         numbers: Any  # none of maps that are no group
         together, output = len(options.files) > 1, options.output
@@ -418,7 +439,7 @@ def _warnings_in_words() -> Iterator[None]:
 def _init(options: argparse.Namespace) -> int:
     """Write settings and table, and print the next steps."""
     from roughcontact.arguments.kinds import sections_on_form
-    from roughcontact.interface.command_line.options import keyed, message_with_options, parse_bodies
+    from roughcontact.interface.command_line.options import message_with_options, parse_bodies
     from roughcontact.interface.command_line.project import collect_files, problems, write_project
 
     files, omissions = collect_files(options.files)
@@ -430,11 +451,7 @@ def _init(options: argparse.Namespace) -> int:
     sections = sections_on_form(options.form_radius)
     sections["contact"] = contact | sections.get("contact", {})
     sections |= {"level": {"form": options.level_form[0]}} if options.level_form else {}
-    sections["statistics"] = {
-        name: keyed(f"--{name}", words) for name in _DERIVED if (words := getattr(options, name)) is not None
-    }
-    if options.allowed_pressure:
-        sections["statistics"]["allowed_pressure"] = options.allowed_pressure[0]
+    sections["statistics"] = _derived(options)
     try:
         settings, table = write_project(files, sections=sections, columns=columns)
     except SettingsError as error:

@@ -17,8 +17,8 @@ def stated_allowed(numbers: Numbers, answer: str = "") -> list[str]:
     return [name for name in names if f"{name}_holds" in numbers]
 
 
-def allowed_in_words(numbers: Numbers, name: str, index: int) -> str:
-    """Return whether an allowed value holds at a load, and from which one on.
+def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = False) -> str:
+    """Return whether an allowed value holds at a load, and from which one on; a `brief` text without that.
 
     Examples
     --------
@@ -28,17 +28,20 @@ def allowed_in_words(numbers: Numbers, name: str, index: int) -> str:
     'leak of at most 1.08 ml/h: not decided, would be from 1.80 MPa on (1.20 MPa to 3.40 MPa)'
     """
     allowed, holds = ALLOWED_VALUES[name], float(numbers[f"{name}_holds"][index])
-    subject = " ".join(filter(None, [allowed.words, _total_in_words(numbers, name, index)]))
+    total, limit = _total_in_words(numbers, name, index), limit_in_words(numbers, name)
+    if total and not brief:  # it is of this load, and the rest of all
+        limit = f"at {load_in_words(float(numbers['mean_pressure'][index]), numbers)[1]}, {limit}"
     word, link = {1.0: (HOLDS, ""), 0.0: (FAILS, "would hold ")}.get(holds, (NOT_DECIDED, "would be "))
-    sentence = f"{subject} {limit_in_words(numbers, name)}: {word}, {link}{_load_in_words(numbers, name)}"
-    return f"{sentence}{_roughness_in_words(numbers, name, index)}"
+    sentence = f"{' '.join(filter(None, [allowed.words, total]))} {limit}: {word}"
+    if brief:
+        return sentence
+    return f"{sentence}, {link}{_load_in_words(numbers, name)}{_roughness_in_words(numbers, name, index)}"
 
 
 def limit_in_words(numbers: Numbers, name: str) -> str:
     """Return what is allowed of a number: "of at most 1.08 ml/h"."""
     allowed, limit = ALLOWED_VALUES[name], float(numbers[f"allowed_{name}"])
-    text = quantity(limit, "Pa") if allowed.unit == "Pa" else unit_of(numbers, allowed.unit).text(limit)
-    return f"of at {allowed.bound} {text}"
+    return f"of at {allowed.bound} {unit_of(numbers, allowed.unit).text(limit)}"
 
 
 def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
@@ -97,8 +100,8 @@ def _load_in_words(numbers: Numbers, name: str) -> str:
         sentence, interval = f"up to {text(crossing)}", "" if at_all else interval
         sentence += " at least" if at_all else ""
     elif crossing == loads.min() and lower == 0:
-        sentence = f"at {text(crossing)} already"
-        interval = "" if upper == crossing else interval
+        sentence = f"from {text(crossing)} or less on"
+        interval = f"decided from {text(upper)} on" if upper > crossing else ""
     else:
         sentence = f"from {text(crossing)} on"
     return f"{sentence} ({interval})" if interval else sentence

@@ -3,6 +3,7 @@
 import re
 import textwrap
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -51,7 +52,7 @@ def surface_facts(
         ("Map", f"{_size(measured_map)} of {pitch}"),
         ("Missing points", percent(measured_map.attrs.get("missing_share", 0.0))),
         ("Counter-face", sentence("counter_face", levelled_map.attrs)),
-        ("Removed form", _removed(levelled_map, numbers)),
+        ("Removed form", _removed(levelled_map)),
         ("Scan lines", sentence("scan_lines", levelled_map.attrs, length)),
         ("Filters", sentence("filters", json_attribute(levelled_map.attrs, "filters_removed"), length)),
         ("Corrected for", str(window.attrs.get("corrected_for", ""))),
@@ -279,20 +280,18 @@ def _size(height: xr.DataArray) -> str:
     return f"{lengths}, {points} points"
 
 
-def _removed(levelled_map: xr.DataArray, numbers: xr.Dataset) -> str:
+def _removed(levelled_map: xr.DataArray) -> str:
     """Return the form that levelling removed."""
     components_removed = json_attribute(levelled_map.attrs, "form_removed")
     components = [
-        f"{name.replace('_', ' ')} {_removed_part(name, entry, levelled_map, numbers)}"
+        f"{name.replace('_', ' ')} {_removed_part(name, entry, levelled_map)}"
         for name, entry in components_removed.items()
         if name.startswith(("mean", "slope", "curvature", "radius", "axis"))  # the rest are coefficients
     ]
     return f"{levelled_map.attrs.get('form', 'none')}" + (f": {', '.join(components)}" if components else "")
 
 
-def _removed_part(
-    name: str, entry: Mapping[str, Any], levelled_map: xr.DataArray, numbers: xr.Dataset
-) -> str:
+def _removed_part(name: str, entry: Mapping[str, Any], levelled_map: xr.DataArray) -> str:
     """Return a mean, slope or curvature; 0 where it is negligible over the whole map."""
     if entry["units"] == "degree":
         return f"{entry['value']:.2f}°".replace("-", "−")
@@ -300,8 +299,6 @@ def _removed_part(
     over_the_map = abs(entry["value"]) * max(side_lengths(levelled_map)) ** power
     empty = over_the_map < 1e-6 * float(np.nanstd(levelled_map.values))
     value = 0.0 if empty else entry["value"]
-    if name.startswith("mean"):
-        return unit_of(numbers, "m").text(value)
     return quantity(value, entry["units"].replace("m-1", "m⁻¹"))
 
 
@@ -315,7 +312,8 @@ def _parameters(levelled_map: xr.DataArray, length: Callable[[float], str]) -> l
         rows.append(("sm",))
     facts = []
     for row in rows:
-        show = number if row[0] == "sk" else length
+        along: Callable[[float], str] = partial(quantity, unit="m")
+        show = along if row[0] == "sm" else number if row[0] == "sk" else length
         names = [letter + name for name in row if letter + name in parameters]
         facts.append((", ".join(names), ", ".join(show(parameters[name]) for name in names)))
     return facts

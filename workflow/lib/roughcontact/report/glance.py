@@ -119,7 +119,7 @@ def asked_columns(results: Sequence[xr.Dataset]) -> list[int]:
     >>> [[HEADINGS[place] for place in asked_columns([result])[1:]] for result in (seal, bearing)]
     [['seals?'], ['contact area', 'pressure in contact', 'mean gap', 'largest pressure']]
     >>> [HEADINGS[place] for place in asked_columns([xr.Dataset({"contact_radius": ("load", [5e-5])})])[1:]]
-    ['contact radius', 'approach', 'largest pressure']
+    ['contact radius', 'largest pressure']
     """
     names_asked: set[str] = set()
     for numbers in results:
@@ -127,6 +127,20 @@ def asked_columns(results: Sequence[xr.Dataset]) -> list[int]:
         names_asked |= names if names - {PEAK} else {*USUAL, *names}
     order = [*USUAL, *ASKED_BY]
     return [0, *(1 + COLUMN_NAMES.index(name) for name in order if name in names_asked)]
+
+
+def verdict_on_asked(numbers: xr.Dataset, indices: Sequence[int], verdict: str) -> str:
+    """Return the worst of a verdict on a surface and those on what is asked in particular, at some loads.
+
+    Examples
+    --------
+    >>> seal = xr.Dataset({"leak_rate_x": ("load", [1e-9]), "sealing_verdict": ("load", [1])})
+    >>> verdict_on_asked(seal, [0], "passed")
+    'review'
+    """
+    names = {COLUMN_NAMES[place - 1] for place in asked_columns([numbers])[1:]} - {*USUAL}
+    outcomes = [outcome_of(numbers, index, name) for name in names for index in indices]
+    return max(verdict, *filter(None, outcomes), key=[*VERDICTS].index) if any(outcomes) else verdict
 
 
 def load_heading(results: Sequence[xr.Dataset]) -> str:
@@ -179,7 +193,9 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell], *, alone
     Whether what is allowed holds comes first. A line that is `alone` has all that the cells have.
     """
     words, places = [], asked_columns([numbers])[1:]
-    allowed = [allowed_in_words(numbers, name, index) for name in stated_allowed(numbers)]
+    names_allowed = stated_allowed(numbers)
+    allowed = [allowed_in_words(numbers, name, index) for name in names_allowed]
+    brief = {allowed_in_words(numbers, name, index, brief=True) for name in names_allowed}
     remarks = Counter(cells[column].remark for column in places)
     repeated = [remark for remark, count in remarks.items() if remark and count > 1]
     for column in places:
@@ -190,12 +206,12 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell], *, alone
             else f"{ANSWERS[name].words if name in ANSWERS else HEADINGS[column]} "
         )
         known = [cell.precision if cell.remark in repeated else cell.known]
-        details = [part for part in cell.details.split("; ") if part not in allowed]
+        details = [part for part in cell.details.split("; ") if part not in brief]
         if alone:
             verdict = "" if cell.outcome == cells[0].outcome else VERDICTS.get(cell.outcome, "")
             known = [*details, *known, verdict]
-        elif not subject:  # beside a yes or no the number behind it
-            known = [*details[:1], *known]
+        else:  # the interval alone; beside a yes or no the number behind it
+            known = [details[0].split(", ")[0] if subject else details[0], *known]
         precision = ", ".join(filter(None, known))
         words.append(f"{subject}{cell.text}{f' ({precision})' if precision else ''}")
     line = "; ".join([f"at {cells[0].text}: {', '.join(words)}", *repeated])
@@ -252,10 +268,10 @@ def glance_rows(
                 cell = interval_cell(plain, name, units, index)
             # what is not judged has no verdict
             if cell.text != NOT_JUDGED:
-                sentences = [
-                    allowed_in_words(plain, allowed, index) for allowed in stated_allowed(plain, name)
+                allowed = [
+                    allowed_in_words(plain, key, index, brief=True) for key in stated_allowed(plain, name)
                 ]
-                details = "; ".join(filter(None, [cell.details, *sentences]))
+                details = "; ".join(filter(None, [cell.details, *allowed]))
                 cell = cell._replace(details=details, outcome=outcome_of(plain, index, name))
             row.append(cell)
         rows.append(row)
@@ -397,17 +413,9 @@ def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     return Cell(NOT_JUDGED)
 
 
-def _approach(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
-    """Return the approach of a body of finite size, which no source of the ± is known of."""
-    if not has_number(numbers, "contact_radius") or not has_number(numbers, "approach"):
-        return Cell(NOT_JUDGED)
-    return Cell(quantity(-float(numbers["approach"][index]), "m"), _NO_INTERVAL)
-
-
 # of the answers that are more than a number with its interval
 _CELLS: dict[str, Callable[[Numbers, Mapping[str, Unit], int], Cell]] = {
     "sealing": _seals,
     "yield": _yields,
     "conductance": _conducts,
-    "approach": _approach,
 }

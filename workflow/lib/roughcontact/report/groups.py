@@ -155,7 +155,7 @@ def _scatter(load: xr.Dataset) -> Cell:
 def differences_in_words(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> str:
     """Return what comes of the contact area in up to three comparisons, in one line; empty for more.
 
-    It is that of the lightest and of the heaviest load, with the ratio where they differ.
+    It is that of the lightest and of the heaviest load, with the ratio.
 
     Examples
     --------
@@ -181,12 +181,11 @@ def differences_in_words(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> s
 
 
 def _outcome_in_words(load: xr.Dataset) -> str:
-    """Return the outcome of a comparison at a load; where both differ, their ratio with its interval."""
+    """Return the ratio of a comparison at a load with its interval, and unless both differ its outcome."""
     outcome = str(load["outcome"].item())
-    if outcome != "differ":
-        return outcome
-    ends = (load[name].item() for name in ("ratio", "ratio_lower", "ratio_upper"))
-    return f"{with_interval(*ends, finest=_FINEST)} times as large"
+    ends = [load[name].item() for name in ("ratio", "ratio_lower", "ratio_upper")]
+    words = f"{with_interval(*ends, finest=_FINEST)} times as large" if np.isfinite(ends).all() else ""
+    return ", ".join(filter(None, [words, "" if words and outcome == "differ" else outcome]))
 
 
 def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[tuple[str, str | None], xr.Dataset]) -> str:

@@ -23,6 +23,7 @@ from roughcontact.report.glance import (
     glance_rows,
     outcome_of,
     usable_loads,
+    verdict_on_asked,
 )
 from roughcontact.report.methods import methods_paragraph
 from roughcontact.report.summary import write_summary
@@ -78,6 +79,7 @@ def write_panel(
     # of loads that nobody stated those are judged that are shown
     are_planned = numbers.attrs.get("loads") == "planned"
     verdict = outcome.worst_result(checks_of(numbers.isel(load=indices)) if are_planned else all_checks)
+    verdict = verdict_on_asked(numbers, indices, verdict)
     doubts = outcome.sort_by_importance(outcome.not_passed(all_checks))
     available = facts.surface_facts(measured_map, plane, window_map, numbers)
     maps = _maps(measured_map, plane, window_map, numbers, counter_faces)

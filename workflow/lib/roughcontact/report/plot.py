@@ -154,7 +154,7 @@ def maps(
     chosen = dataset.isel(load=load) if "load" in dataset.dims else dataset
     height, pressures, gap = chosen["height"], chosen["pressure"].values, chosen["gap"].values
     of_heights = unit_of({"rms_height": float(height.std())}, "m")
-    of_pressure = unit_of({"contact_modulus": float(chosen.get("contact_modulus", np.nan))}, "Pa")
+    of_pressure = unit_of(dataset, "Pa")
     if quantity == "height":
         return _drawn(map_plots.height_map(height, unit=of_heights), ax)
     if quantity == "pressure":

@@ -18,6 +18,7 @@ from roughcontact.arguments.quantities import number, percent, quantity
 if TYPE_CHECKING:
     import jinja2
 
+_KEY = r"[a-z]+(?:\.[a-z_]+)+(?:: [a-z0-9]+)?"  # of a setting, and its value
 _TEMPLATES = Path(__file__).with_name("templates")
 
 
@@ -86,8 +87,9 @@ def _bytecode_cache() -> "jinja2.BytecodeCache":
 
 
 def _raised(text: str) -> Markup:
-    """Return a text as markup, with raised exponents where it has them as in q^−3."""
-    return Markup(re.sub(r"\^(−?[\d.]*\d)", r"<sup>\1</sup>", str(escape(text))))
+    """Return a text as markup: exponents as in q^−3 are raised, keys of settings in brackets are small."""
+    markup = re.sub(r"\^(−?[\d.]*\d)", r"<sup>\1</sup>", str(escape(text)))
+    return Markup(re.sub(rf"\((?:{_KEY}(?:, | or )?)+\)", r'<span class="key">\g<0></span>', markup))
 
 
 def _digests(markup: str) -> Markup:

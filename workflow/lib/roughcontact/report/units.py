@@ -52,7 +52,8 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
         return _FIXED[unit]
     # the variables without their coordinates are found in a hundredth of the time
     plain: Mapping[Any, Any] = numbers.variables if isinstance(numbers, xr.Dataset) else numbers
-    pressure = pressure_unit(float(plain.get("contact_modulus", np.nan)))
+    heaviest_load = float(np.max(np.nan_to_num(plain.get("mean_pressure", 0.0))))
+    pressure = pressure_unit(float(plain.get("contact_modulus", np.nan)), heaviest_load)
     if unit == "Pa":
         return pressure
     if unit == "Pa m-1":

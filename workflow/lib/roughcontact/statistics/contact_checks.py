@@ -10,7 +10,7 @@ import xarray as xr
 
 from roughcontact.arguments import materials
 from roughcontact.arguments.measurement import json_attribute
-from roughcontact.arguments.quantities import number, percent, pressure_unit, quantity
+from roughcontact.arguments.quantities import Unit, number, percent, pressure_unit, quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.contact.dataset import recorded_medium
 from roughcontact.statistics.conductance import knudsen_resistance_ratio
@@ -120,7 +120,7 @@ def _hardness_check(statistics: xr.Dataset) -> Check:
     if "first_yield_pressure" in statistics:
         load = " of ".join(load_in_words(float(statistics["first_yield_pressure"]), statistics))
         yield_text = f" First yield at a {load}."
-    bears = f"the hardness of {pressure_unit(modulus).text(hardness)}"
+    bears = f"the hardness of {_pressure_unit(statistics).text(hardness)}"
     yields = area_share > 0
     if not yields.any():
         largest = percent(float(statistics["max_pressure"].max()) / hardness)
@@ -275,7 +275,7 @@ def units(statistics: xr.Dataset) -> Check:
     if doubts := [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]:
         text = f"At {len(doubts)} of {loads.size} loads the mean pressure is implausible: "
         return review(text + doubts[0].question())
-    low, high = (pressure_unit(modulus).text(float(f(loads))) for f in (np.min, np.max))
+    low, high = (_pressure_unit(statistics).text(float(f(loads))) for f in (np.min, np.max))
     span = low if low == high else f"{low} to {high}"
     return passed(f"{description} and loads of {span} are those of real materials.")
 
@@ -287,7 +287,7 @@ def _friction_doubt(statistics: xr.Dataset) -> str:
         ("max_flash_temperature", materials.HOTTEST, "Sliding warms by {} K, which no solid bears"),
     ):
         if name in statistics and (largest := float(statistics[name].max())) > limit:
-            return f"{text.format(number(largest))}: check the units in statistics.friction."
+            return f"{text.format(number(largest))}: check the units of the friction (statistics.friction)."
     return ""
 
 
@@ -312,9 +312,14 @@ def _temperature_doubt(statistics: xr.Dataset) -> str:
     return ""
 
 
+def _pressure_unit(statistics: xr.Dataset) -> Unit:
+    """Return the unit of the pressures of a surface."""
+    return pressure_unit(float(statistics["contact_modulus"]), float(statistics["mean_pressure"].max()))
+
+
 def _loads(mask: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
     """Return the loads concerned, as the beginning of a sentence."""
-    pressures, unit = statistics["mean_pressure"].values, pressure_unit(float(statistics["contact_modulus"]))
+    pressures, unit = statistics["mean_pressure"].values, _pressure_unit(statistics)
     chosen = pressures[np.asarray(mask)]
     if pressures.size == 1:
         return f"At {unit.text(float(chosen[0]))}"
@@ -380,7 +385,7 @@ def fluid(statistics: xr.Dataset) -> Check | None:
         f"The fluid has the viscosity of a gas, {quantity(viscosity, 'Pa s')}; the leak rate is that of an "
         "incompressible fluid.",
         ("sealing",),
-        advice="State the outlet_pressure and the mean_free_path of the gas (statistics.seal).",
+        advice="State outlet pressure and mean free path of the gas (statistics.seal).",
     )
 
 
@@ -390,7 +395,7 @@ def _slip(statistics: xr.Dataset, text: str) -> Check:
     # where it is closed no gas flows
     narrowest = [float(statistics[name].where(statistics[name] > 0).min()) for name in names]
     if not (path := path_at_mean_pressure(statistics.attrs)):
-        advice = "State its mean_free_path (statistics.seal; 68 nm for air at 1 bar)."
+        advice = "State its mean free path, 68 nm for air at 1 bar (statistics.seal)."
         return review(f"{text}; slip is left out, and it leaks more.", ("sealing",), advice=advice)
     if np.isnan(narrowest).all():
         return passed(f"{text}.")

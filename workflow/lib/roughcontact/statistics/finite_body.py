@@ -50,6 +50,7 @@ def finite_body_columns(columns: Mapping[str, Any], contact: xr.Dataset, load: i
     numbers = {name: np.nan for name in _MEANINGLESS if name in columns} | {
         "contact_stiffness": force / -punch_approach / map_area,
         "elastic_energy": 0.5 * float((pressure * displacement).mean()),
+        "mutual_approach": float(height.max()) - approach,
         "contact_area": area,
         "contact_radius": np.sqrt(area / np.pi),
         "loaded_radius": 0.75 * force / (elasticity.modulus * in_the_middle)

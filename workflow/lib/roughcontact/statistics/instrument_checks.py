@@ -54,8 +54,8 @@ _CAMERA = (1e-6, 6e-5)  # pitch of camera pixels, binned ones included
 _UNFILTERED = "export it unfiltered"
 _RESOLVED = "state the lens (instrument.numerical_aperture, instrument.resolution)"
 _SMOOTHED_MEANS = (
-    "Contact areas are then too large, pressures and gaps too small, but not those of longer waves alone "
-    "(level.s_filter, coarser pixels)"
+    "Contact areas are then too large, pressures and gaps too small, but not those of longer waves alone: "
+    "of coarser pixels, or filtered (level.s_filter)"
 )
 _FEW_WAVES = "Not made: too few waves to judge the spectrum by."
 _PERIODIC_MAP = "Not made: the map is periodic as it is, as made ones are."
@@ -193,7 +193,7 @@ def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
         f"One summit stands out, {higher}, at {where}; the largest pressure is {times}.",
         explanation="Dust and burrs look like this; the largest pressure, and gaps at low loads, are theirs.",
         advice="Unless it belongs to the surface, clean and measure again, cut the map, or lower "
-        "level.outlier_threshold.",
+        "the threshold of outliers (level.outlier_threshold).",
     )
 
 
@@ -209,7 +209,7 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
         if "corrected_for" in window:
             return passed(f"{text} as measured, for which the map is corrected.")
         return _judged_noise(
-            text, share, advice="Average several maps, or remove short waves with level.s_filter."
+            text, share, advice="Average several maps, or remove short waves (level.s_filter)."
         )
     if not _ends_flat(window):
         exponent = number(window["top_exponent"], digits=2)
@@ -223,8 +223,8 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
         text,
         share,
         explanation="It may be noise, or waves shorter than the pixel: one map cannot tell.",
-        advice="Measure twice and state the noise (instrument.noise), or remove short waves with "
-        "level.s_filter.",
+        advice="Measure twice and state the noise (instrument.noise), or remove short waves "
+        "(level.s_filter).",
     )
 
 

@@ -77,7 +77,7 @@ def load_in_words(pressure: float, numbers: Numbers) -> tuple[str, str]:
         return "", f"{'below' if yields else 'above'} the loads solved"
     kind, mean = facts_of_numbers(numbers), np.asarray(numbers["mean_pressure"]).flat[0].item()
     load = pressure * np.asarray(numbers[kind.load]).flat[0].item() / mean
-    unit = pressure_unit(float(numbers["contact_modulus"]))
+    unit = pressure_unit(float(numbers["contact_modulus"]), float(np.nanmax(numbers["mean_pressure"])))
     return kind.load_in_words, unit.text(load) if kind.load_unit == "Pa" else quantity(load, kind.load_unit)
 
 

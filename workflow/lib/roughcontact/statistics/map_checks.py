@@ -88,7 +88,7 @@ def outliers(statistics: xr.Dataset, attrs: Attributes) -> Check:
     are = "it is an error" if removals == 1 else "they are errors"
     return review(
         f"{text}: the result depends on whether {are} of the measurement.",
-        advice=f"See where {lie}; level.outlier_threshold: none keeps every point.",
+        advice=f"See where {lie}, or keep every point (level.outlier_threshold: none).",
     )
 
 
@@ -116,9 +116,11 @@ def scan_lines(attrs: Attributes, statistics: xr.Dataset | None = None) -> Check
         return passed(f"{text}." if alignment == "none" else f"{text}; they were aligned ({alignment}).")
     if alignment == "none":
         return review(
-            f"{text}: it may carry much of the load.", advice="Compare level.line_alignment: jitter."
+            f"{text}: it may carry much of the load.",
+            advice="Compare with every row aligned (level.line_alignment: jitter).",
         )
-    return review(f"{text}; they were aligned ({alignment}).", advice="Compare level.line_alignment: none.")
+    advice = "Compare without that (level.line_alignment: none)."
+    return review(f"{text}; they were aligned ({alignment}).", advice=advice)
 
 
 def _lay_along_rows(statistics: xr.Dataset) -> bool:
@@ -147,12 +149,12 @@ def form(attrs: Attributes, window: Attributes) -> Check | None:
         return passed(f"{text}.")
     if is_added:
         return review(
-            f"{text}, and form.radius adds another: a form of the body that is in the map counts twice.",
-            advice="Leave form.radius out, or set level.form: polynomial.",
+            f"{text}, and the radius of the form adds another: what is in the map already counts twice.",
+            advice="Leave the radius out (form.radius), or subtract the form (level.form: polynomial).",
         )
-    remedy = "Remove it with level.form: polynomial, unless it belongs to the contact."
+    remedy = "Remove it (level.form: polynomial), unless it belongs to the contact."
     if attrs.get("form") in ("polynomial", "sphere", "cylinder"):
-        remedy = "Compare another window.method: it came with the periodic window."
+        remedy = "Compare another way to make it periodic (window.method): it came with this one."
     return review(f"{text}: form, not roughness, decides where the surfaces touch.", advice=remedy)
 
 
@@ -184,7 +186,9 @@ def periodicity(window: Attributes) -> Check:
         effects.append("Opposite edges do not match, and joining them moved the contact.")
     if not effects:
         return passed(text)
-    return review(text, explanation=" ".join(effects), advice="Compare another window.method.")
+    return review(
+        text, explanation=" ".join(effects), advice="Compare another way to make it periodic (window.method)."
+    )
 
 
 def window_share(window: Attributes) -> Check:
@@ -318,7 +322,7 @@ def band(window: Attributes) -> Check:
     return review(
         f"Waves down to {quantity(shortest, 'm')} are solved; {reason} resolves {quantity(reliable, 'm')}.",
         explanation="Shorter waves are partly noise, and peaks are partly smoothed.",
-        advice="Compare window.reliable_band.",
+        advice="Compare without the doubtful waves (window.reliable_band).",
     )
 
 
@@ -358,7 +362,7 @@ def steep_places(window: Attributes) -> Check:
     text = f"The steepest 1 % of the points make up {percent(share)} of the mean square gradient"
     if share <= STEEP_PLACES:
         return passed(f"{text}.")
-    spikes = "Remove spikes with level.outlier_threshold."
+    spikes = "Remove spikes by a lower threshold (level.outlier_threshold)."
     if threshold := window.get("outlier_threshold"):
         spikes = f"Spikes beyond {number(threshold, digits=2)} standard deviations are removed already."
     return noted(

@@ -7,9 +7,9 @@ import xarray as xr
 
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.sealing.percolation import half_way_levels
-from roughcontact.uncertainty.headline import iterate_fields
+from roughcontact.uncertainty.headline import headline_names, iterate_fields
 from roughcontact.uncertainty.sample import constrictions_in_grooves
-from roughcontact.uncertainty.scales import ANSWERS, CONDUCTANCE, QUANTITIES
+from roughcontact.uncertainty.scales import CONDUCTANCE
 from roughcontact.uncertainty.solver import solver_uncertainty
 
 
@@ -24,7 +24,7 @@ def budget_inputs(
     """
     if statistics is None:
         statistics = contact_statistics(contact, flow="never", stress="never")
-    plain = {name: statistics[name].values for name in (*QUANTITIES, *ANSWERS)}
+    plain = {name: statistics[name].values for name in headline_names(statistics)}
     # of full contact it is infinite
     plain[CONDUCTANCE] = np.where(np.isfinite(plain[CONDUCTANCE]), plain[CONDUCTANCE], np.nan)
     widths = solver_uncertainty(contact, energy=statistics["elastic_energy"].values)

@@ -19,7 +19,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 import scipy
 
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PRESSURE, inverse_erf_area
+from roughcontact.uncertainty.scales import APPROACH, AREA, CONSTRICTIONS, GAP, PRESSURE, inverse_erf_area
 
 Measurand = Literal["surface", "next", "map", "alone", "joint"]
 ALONE: Literal["alone"] = "alone"  # the surface by the fine map alone, where there is an overview
@@ -36,8 +36,8 @@ def table() -> dict[str, Any]:
 
 
 def entry(name: str) -> str:
-    """Return the name under which a quantity stands in the table, both narrowest places in one entry."""
-    return "critical_constriction" if name in CONSTRICTIONS else name
+    """Return the name under which a quantity stands in the table; lengths of one kind have one entry."""
+    return "critical_constriction" if name in CONSTRICTIONS else GAP if name == APPROACH else name
 
 
 def scatter_between_maps(name: str, half_width: np.ndarray | float) -> tuple[np.ndarray, float]:

@@ -53,14 +53,16 @@ def solve_member(
     contact, steps = {**contact, "mean_pressure": pressures}, spacing(window)
     if on_form := contact.get("on_form"):
         window = on_form(window)
-    area = window.size * steps[0] * steps[1]
+    area, highest = window.size * steps[0] * steps[1], float(window.max())
     unit = area / contact.get("area", area)  # the contact area counts over that of the map
     single = tolerance >= TOLERANCE or contact.get("precision") == "single"
     solutions = solved_fields(window, contact, tolerance=tolerance, precision=SINGLE if single else DOUBLE)
     material, border = elasticity(**contact), facts_of(contact).border
     values = {name: np.full(pressures.shape, np.nan) for name in names}
-    for load, pressure, gap in solutions:
-        numbers = headline_values(pressure, gap, names, material, steps=steps, border=border)
+    for load, pressure, gap, approach in solutions:
+        numbers = headline_values(
+            pressure, gap, names, material, steps=steps, border=border, approach=highest - approach
+        )
         for name, value in numbers.items():
             values[name][load] = value * (unit if name == AREA else 1.0)
     return values

@@ -25,11 +25,12 @@ def headline_values(
     *,
     steps: tuple[float, float],
     border: int = 0,
+    approach: float = np.nan,
 ) -> dict[str, float]:
     """Return quantities of one load from pressure (Pa) and gap (m), as `contact_statistics` defines them.
 
-    `steps` are (dy, dx; m), `border` is that of `relative_contact_area`. The conductance is NaN in
-    full contact, where it is infinite, and of layered bodies.
+    `steps` are (dy, dx; m), `border` is that of `relative_contact_area`, `approach` (m) that since the first
+    touch. The conductance is NaN in full contact, where it is infinite, and of layered bodies.
 
     Examples
     --------
@@ -42,6 +43,7 @@ def headline_values(
         scales.AREA: relative_contact_area(touching, border=border),
         scales.GAP: float(gap[~touching].sum(dtype=float)) / gap.size,
         scales.PEAK: float(pressure.max()),
+        scales.APPROACH: approach,
     }
     if scales.PRESSURE in names:
         values[scales.PRESSURE] = float(pressure[touching].mean(dtype=float))

@@ -22,12 +22,12 @@ _MAX_MAPS = 100
 _NARROW = 0.01  # relative half-width that nobody need halve, as that of full contact
 _PLANNED = 0.1  # relative half-width that the number of places is told for
 ADVICE = {
-    "solver": "set contact.tolerance to a tenth",
+    "solver": "set the tolerance to a tenth (contact.tolerance)",
     "discretisation": "measure with pixels half as large",
     "instrument": "repeat the measurement and average, or state the instrument more narrowly",
     "material": "state contact modulus and load twice as narrowly",
-    "hardness": "measure the hardness (hardness_uncertainty)",
-    "unresolved": "measure with pixels half as large, or state instrument.finer_spectrum",
+    "hardness": "measure the hardness (contact.hardness_uncertainty)",
+    "unresolved": "measure with pixels half as large, or state a finer spectrum (instrument.finer_spectrum)",
 }
 _WORTHWHILE = 0.9  # of the half-width, above which nothing is promised
 _OVERVIEW = "measure an overview, a field three times as long at a quarter of the magnification"

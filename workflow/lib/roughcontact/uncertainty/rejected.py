@@ -33,6 +33,6 @@ def rejected_load_share(
     if not is_rejected.any():
         return np.zeros(loads.shape)
     share, tolerance = np.full(loads.shape, np.nan), max(TOLERANCE, contact.get("tolerance", 0.0))
-    for load, pressure, _ in solved_fields(restored_map, contact, tolerance=tolerance):
+    for load, pressure, *_ in solved_fields(restored_map, contact, tolerance=tolerance):
         share[load] = pressure[is_rejected].sum(dtype=float) / pressure.sum(dtype=float)
     return share

@@ -9,9 +9,9 @@ import numpy as np
 import scipy
 
 from roughcontact.arguments import answers
-from roughcontact.arguments.answers import AREA, CONDUCTANCE, GAP, PEAK, PRESSURE
+from roughcontact.arguments.answers import APPROACH, AREA, CONDUCTANCE, GAP, PEAK, PRESSURE
 
-QUANTITIES = (AREA, GAP, PEAK, PRESSURE)
+QUANTITIES = (AREA, GAP, PEAK, PRESSURE, APPROACH)
 CONSTRICTIONS = tuple(name for name, quantity in answers.QUANTITIES.items() if quantity.scale == "length")
 ANSWERS = (CONDUCTANCE, *CONSTRICTIONS)
 

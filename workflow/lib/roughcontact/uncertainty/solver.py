@@ -22,13 +22,13 @@ import xarray as xr
 
 from roughcontact.uncertainty.combination import Components, component_from_units, symmetric
 from roughcontact.uncertainty.headline import iterate_fields
-from roughcontact.uncertainty.scales import AREA, GAP, PEAK
+from roughcontact.uncertainty.scales import APPROACH, AREA, GAP, PEAK
 
 _POINT_ERROR = 3.0  # relative error of the pressure at a point over that of the field
 
 
 def solver_uncertainty(contact: xr.Dataset, *, energy: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the half-widths (load) of 95 % intervals of area, gap and largest pressure, in their units.
+    """Return the half-widths (load) of 95 % intervals of area, gap, largest pressure and approach, in units.
 
     They are n/N of the points within reach, eps U/p̄ (U in J/m2) and 3 eps p_max: see the top of the module.
     """
@@ -38,12 +38,13 @@ def solver_uncertainty(contact: xr.Dataset, *, energy: np.ndarray) -> dict[str, 
         areas.append(points_within_reach(pressure, gap, _POINT_ERROR * bound) / pressure.size)
         peaks.append(_POINT_ERROR * bound * pressure.max())
     gaps = bounds * energy / contact["mean_pressure"].values
-    return {AREA: np.array(areas), GAP: gaps, PEAK: np.array(peaks)}
+    return {AREA: np.array(areas), GAP: gaps, PEAK: np.array(peaks), APPROACH: gaps}
 
 
 def solver_components(solution: xr.Dataset) -> Components:
     """Return the components of the solver from `budget_inputs`, on the scales."""
-    widths = {name: symmetric(solution[f"{name}_uncertainty"].values) for name in (AREA, GAP, PEAK)}
+    names = [name for name in (AREA, GAP, PEAK, APPROACH) if name in solution]
+    widths = {name: symmetric(solution[f"{name}_uncertainty"].values) for name in names}
     return {name: component_from_units(name, solution[name].values, width) for name, width in widths.items()}
 
 

@@ -5,7 +5,7 @@ Names, meanings, defaults and checks are those of `roughcontact.arguments.settin
 
 import os
 from argparse import ArgumentParser, Namespace, _ArgumentGroup
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -142,12 +142,15 @@ def keyed(
     return result
 
 
-def chosen_settings(options: Namespace) -> dict:
-    """Return the full settings of a single case, as `resolve` does, from options of `add_settings`."""
+def chosen_settings(options: Namespace, statistics: Mapping[str, Any] | None = None) -> dict:
+    """Return the full settings of a single case, as `resolve` does, from options of `add_settings`.
+
+    `statistics` is the section of what is derived from the contact.
+    """
     names = [f"{section}.{key}" for section, key, _, _ in _options()]
     chosen = {name: value for name in names if (value := getattr(options, name)) is not None}
     literals: dict[str, Any] = {"null": None, "['null']": None, "['[]']": []}  # as in a configuration
-    config = {"contact": {}} | grouped(
+    config = {"contact": {}, "statistics": dict(statistics or {})} | grouped(
         {name: literals.get(str(value), value) for name, value in chosen.items()}
     )
     if config["contact"].get("contact_modulus") is None and not options.body:
