@@ -32,7 +32,8 @@ ROOT = HERE.parent
 LIBRARY = ROOT / "workflow/lib"
 SLOPE = 0.1  # rms gradient of the maps, whose points are 1 um apart
 MODULUS = 1e9  # Pa
-STAGES = ("prepare", "contact", "report")
+STAGES = ("prepare", "contact", "panel", "report")
+ONCE = ("", "report", "imports", "run")  # whatever the number of surfaces
 FEW, MANY = [0.01, 0.05, 0.2], np.geomspace(0.003, 0.3, 8).tolist()  # over E* and the rms gradient
 CASES = {
     "hard": {},
@@ -97,12 +98,13 @@ def workflow(folder: Path, *arguments: str, cores: int = 1) -> dict:
 
 
 def stage_of(process: dict) -> str:
-    """Return what a process of a run did: a stage, `run` for Snakemake itself, nothing for all others."""
-    words = process["command"]
-    scripts = [Path(word).name.split(".") for word in words if ".snakemake/scripts/" in word]
-    if scripts:
-        return scripts[0][1]
-    return "run" if words[1:3] == ["-m", "snakemake"] else ""
+    """Return what a process of a run did: a job, `imports` of all, `run` of Snakemake, nothing of others."""
+    script = Path(process["script"])
+    if script.name == "server.py":
+        return "imports"
+    if script.parent.name == "scripts":
+        return script.stem
+    return "run" if "snakemake.cli" in "".join(process["command"][1:3]) else ""
 
 
 def measure_stages(work: Path, size: int) -> dict:
@@ -124,7 +126,7 @@ def measure_study(work: Path, *, number: int, size: int, cores: int) -> dict:
     first_run = workflow(folder, cores=cores)
     second_run = workflow(folder, cores=cores)
     reports = [folder / "results/report.html", *folder.glob("results/pages/*")]
-    jobs = [process for process in first_run["processes"] if stage_of(process) not in ("", "run")]
+    jobs = [process for process in first_run["processes"] if stage_of(process) not in ("", "imports", "run")]
     snakemake_time = sum(process["cpu"] for process in first_run["processes"] if stage_of(process) == "run")
     cpu = sum(process["cpu"] for process in jobs)
     return {
@@ -196,8 +198,7 @@ def measure_scripts(
     bare, budget = take([*own_command, *plain], work), take(own_command, work)
     contact = {"contact_modulus": MODULUS, "mean_pressure": loads}
     chain = workflow(study(work / "chain", files=[file], settings={"contact": contact}))
-    once = ("", "report", "run")  # whatever the number of surfaces
-    jobs = sum(process["cpu"] for process in chain["processes"] if stage_of(process) not in once)
+    jobs = sum(process["cpu"] for process in chain["processes"] if stage_of(process) not in ONCE)
     usages = {"without error budget": bare, "with error budget": budget, "whole chain": chain}
     row_of_map = {"map": name, "points": " × ".join(map(str, np.load(file, mmap_mode="r").shape))}
     rows = [row_of_map | {"what": what} | _times(usage) for what, usage in usages.items()]
@@ -218,7 +219,9 @@ def _times(usage: dict) -> dict:
 def tables(results: dict) -> dict[str, pd.DataFrame]:
     """Return CPU time and memory of the stages, and what studies, dry runs and scripts take."""
     stages = {f"{size}²": results["stages"][size] for size in sorted(results["stages"], key=int)}
-    took = pd.DataFrame({size: entry["stages"] for size, entry in stages.items()}).reindex([*STAGES, "run"])
+    took = pd.DataFrame({size: entry["stages"] for size, entry in stages.items()}).reindex(
+        [*STAGES, "imports", "run"]
+    )
     used = {
         what: took.map(
             lambda usage_of_part, what=what: (

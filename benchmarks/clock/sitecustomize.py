@@ -15,6 +15,7 @@ def _record():
     used = resource.getrusage(resource.RUSAGE_SELF)
     entry = {
         "command": sys.orig_argv,
+        "script": getattr(sys.modules["__main__"], "__file__", ""),  # of a fork that of its job
         "seconds": time.time() - _BEGIN,
         "cpu": used.ru_utime + used.ru_stime,
         "peak_MB": used.ru_maxrss / 1024,
