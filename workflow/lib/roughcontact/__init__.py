@@ -17,12 +17,6 @@ Names are imported on first use, so that a job pays only for what it needs.
 """
 
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
-
-try:
-    __version__ = version("roughcontact")
-except PackageNotFoundError:  # used from a checkout that was not installed
-    __version__ = "0+unknown"
 
 _HOME = {
     "read_height_map": "roughcontact.io.read",
@@ -76,6 +70,13 @@ __all__ = ["__version__", *_HOME]  # noqa: PLE0604 - the keys are strings
 
 
 def __getattr__(name):
+    if name == "__version__":
+        from importlib.metadata import PackageNotFoundError, version  # half of the imports of a command
+
+        try:
+            return version("roughcontact")
+        except PackageNotFoundError:  # used from a checkout that was not installed
+            return "0+unknown"
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
     if name in _MODULES:

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from roughcontact import __version__
+import roughcontact
 from roughcontact.errors import (
     ConvergenceError,
     HeightMapWarning,
@@ -94,12 +94,11 @@ def main(arguments: list[str] | None = None) -> int:
         collect_rarely()
         arguments = sys.argv[1:]
     try:
-        arguments = [*arguments[:1], *with_units(arguments[1:])]
-        parser = _parser(verb="".join(arguments[:1]))
         if arguments[:1] == ["run"] and not {"-h", "--help"} & set(arguments):
             options = argparse.Namespace(run=_run, arguments=arguments[1:])  # all for Snakemake
         else:
-            options = parser.parse_args(arguments)
+            arguments = [*arguments[:1], *with_units(arguments[1:])]
+            options = _parser(verb="".join(arguments[:1])).parse_args(arguments)
         code = options.run(options)
         sys.stdout.flush()
         return code
@@ -127,7 +126,7 @@ def _failed(error: RoughContactError | str, code: int) -> int:
 def _parser(*, verb: str) -> argparse.ArgumentParser:
     """Return the parser; some options of `verb` come from the settings, whose import takes a moment."""
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
-    parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
+    parser.add_argument("--version", action="version", version=f"roughcontact {roughcontact.__version__}")
     verbs = parser.add_subparsers(
         required=True,
         metavar="inspect | solve | init | run | app | methods | table | compare | export | crate",
