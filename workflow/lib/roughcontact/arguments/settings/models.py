@@ -4,10 +4,9 @@ A section is exactly the keyword arguments of its function (`level(height, **set
 each quantity has one name.
 """
 
-import ast
 import math
+import re
 from functools import cache, partial
-from itertools import pairwise
 from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args
@@ -208,21 +207,15 @@ def _example(value: Any) -> Any:
     return Field(default=None, examples=[value])
 
 
+# a text below the field before it; parsing the source takes eight times as long
+_TEXT_BELOW = re.compile(r'^    (\w+): (?:(?!^    \w|""").)*?^    """(.*?)"""', re.MULTILINE | re.DOTALL)
+
+
 @cache
 def _texts_below_fields() -> dict[str, dict[str, str]]:
     """Return class -> field -> text; for each class pydantic would look for this file in all modules."""
-    module = ast.parse(Path(__file__).read_text(encoding="utf-8"))
-    return {
-        section.name: {
-            field.target.id: ast.literal_eval(text.value)
-            for field, text in pairwise(section.body)
-            if isinstance(field, ast.AnnAssign)
-            and isinstance(field.target, ast.Name)
-            and isinstance(text, ast.Expr)
-        }
-        for section in module.body
-        if isinstance(section, ast.ClassDef)
-    }
+    sections = Path(__file__).read_text(encoding="utf-8").split("\nclass ")[1:]
+    return {section.partition("(")[0]: dict(_TEXT_BELOW.findall(section)) for section in sections}
 
 
 class Section(BaseModel):
