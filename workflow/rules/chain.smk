@@ -219,6 +219,7 @@ rule slide:
         sources=sources_of("slide"),
         levelled=file_of("levelled"),
         window=file_of("window"),
+        overview=file_of("overview"),
         contact=file_of("contact"),
     output:
         sliding="results/{result}/sliding.nc",

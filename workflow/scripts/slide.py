@@ -5,11 +5,20 @@ from _window import window_as_measured
 
 from roughcontact.evaluation.sliding import slid_in_a_run
 from roughcontact.results.storage import opened_dataset, read_dataset
+from roughcontact.surface.faces.placing import separate_overviews
 
 paths, settings = snakemake.input, snakemake.params.settings["sliding"]
 window = read_dataset(paths.window)["height"]
 with opened_dataset(paths.contact) as contact:
     load = settings["sliding"]["mean_pressure"] or float(contact["mean_pressure"].max())
-as_measured = window_as_measured(window, settings)
-slid = slid_in_a_run(window, settings, mean_pressure=load, as_measured=as_measured, threads=snakemake.threads)
+with opened_dataset(paths.levelled) as levelled:  # read for an overview alone
+    slid = slid_in_a_run(
+        window,
+        settings,
+        mean_pressure=load,
+        as_measured=window_as_measured(window, settings),
+        levelled=levelled["height"],
+        overviews=separate_overviews(read_dataset(paths.overview)) if paths.overview else (),
+        threads=snakemake.threads,
+    )
 save(slid, snakemake.output.sliding, settings, source=window.attrs)

@@ -2,12 +2,13 @@
 
 The sources, on the scale of each answer: the bound of the solver, of the friction alone; twice what pixels
 half as large change, what the instrument does, and both ends of stated loads, moduli and scales, on one part;
-the scatter of the parts of the window; and the share of the friction at frequencies beyond the table of the
-relaxation, as if nothing were known there. Waves that the map does not resolve are not in it:
+the scatter of the parts of the window, and what the places of an overview change; and the share of the
+friction at frequencies beyond the table of the relaxation, as if nothing were known there.
+Waves that the map does not resolve are not in it:
 `friction_share_of_octave` shows what the shortest ones carry.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -21,7 +22,7 @@ from roughcontact.statistics.precision import widened
 from roughcontact.statistics.sliding import sliding_friction
 from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.uncertainty.combination import symmetric
-from roughcontact.uncertainty.course import components_of_parts, runs_at_ends, with_ends
+from roughcontact.uncertainty.course import components_of_parts, components_of_places, runs_at_ends, with_ends
 from roughcontact.uncertainty.inputs import HARDNESS, INPUTS
 
 ANSWERS = (FRICTION, AREA, PRESSURE, PEAK, GAP)
@@ -37,11 +38,14 @@ def slid_in_a_run(
     *,
     mean_pressure: float,
     as_measured: xr.DataArray | None = None,
+    levelled: xr.DataArray | None = None,
+    overviews: Sequence[xr.DataArray] = (),
     threads: int = 1,
 ) -> xr.Dataset:
     """Return what `sliding_friction` makes of the window by the settings, with the ends of the intervals.
 
-    `as_measured` is the window before a correction for the instrument.
+    `as_measured` is the window before a correction for the instrument, `levelled` the map of which it is a
+    part, for the `overviews` around that.
     """
     sliding, statistics, bodies = settings["sliding"], settings["statistics"], settings["contact"]["bodies"]
     rubber = relaxing_body(bodies)
@@ -82,8 +86,11 @@ def slid_in_a_run(
         as_measured=as_measured,
         ends_of_inputs=runs_at_ends(at_end, settings["contact"], instrument, inputs=_INPUTS),
     )
+    of_places = components_of_places(
+        window, coarse, ANSWERS, levelled=levelled, overviews=overviews, load=mean_pressure
+    )
     shares = slid["hysteretic_friction_bound"] / slid[FRICTION], slid["friction_share_beyond_table"]
-    slid = with_ends(slid, [of_parts, *({FRICTION: symmetric(share.values)} for share in shares)])
+    slid = with_ends(slid, [of_parts, *of_places, *({FRICTION: symmetric(share.values)} for share in shares)])
     if _BY_AREA in slid:
         by_area = [slid[_BY_AREA] * (slid[f"{AREA}{end}"] / slid[AREA]) for end in ENDS]
         bounds = widened(by_area, ends(1.0, friction.get("shear_strength_uncertainty")))

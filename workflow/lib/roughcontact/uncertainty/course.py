@@ -1,5 +1,6 @@
-"""The ± of what runs over a distance or a speed: by parts of the window, finer pixels and the instrument."""
+"""The ± of what runs over a distance or a speed: by parts, an overview, finer pixels, the instrument."""
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -8,20 +9,25 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import ENDS, PEAK
-from roughcontact.arguments.maps import refined, spacing
+from roughcontact.arguments.maps import refined, side_lengths, spacing
 from roughcontact.arguments.ranges import ends, name_of_range
+from roughcontact.surface.faces.placing import measured_rectangle
+from roughcontact.surface.levelling.forms import form_order
+from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.window.periodic_window import subwindow
 from roughcontact.surface.window.transfer import undone
 from roughcontact.uncertainty.combination import (
     Components,
     half_widths,
     interval_bounds,
+    one_sided,
     sum_of_causes,
     symmetric,
 )
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.inputs import AMPLIFICATIONS, INPUTS
 from roughcontact.uncertainty.instrument import instrument_components
+from roughcontact.uncertainty.overview import own_place, windows_of_places
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import to_scale
 from roughcontact.uncertainty.subwindows import divided, relevelled
@@ -116,6 +122,41 @@ def components_of_parts(
         changes = {name: np.array([change(name, course, courses[0]) for course in at_ends]) for name in names}
         causes.append({k: half_widths(-both.min(axis=0), both.max(axis=0)) for k, both in changes.items()})
     return sum_of_causes(causes)
+
+
+def components_of_places(
+    window: xr.DataArray,
+    run: Callable[..., xr.Dataset],
+    names: Iterable[str],
+    *,
+    levelled: xr.DataArray | None,
+    overviews: Sequence[xr.DataArray],
+    load: float,
+) -> list[Components]:
+    """Return what the places of the largest overview (y, x; m) change from that of the map: mean and scatter.
+
+    `run` takes a window and its mean pressure, the `load` (Pa) by the gradient, so that places of coarser
+    pixels touch as much as the map. Of the largest pressure an overview tells less than the map.
+    """
+    if levelled is None or not overviews:
+        return []
+    fine, overview = (
+        measured_rectangle(levelled),
+        max(overviews, key=lambda field: math.prod(side_lengths(field))),
+    )
+    own, _ = own_place(fine, overview, overviews)
+    pieces = [own, *(overview.isel(place) for place in windows_of_places(own.shape, overview))]
+    windows = [subwindow(relevelled(piece, form_order(fine))) for piece in pieces]
+    touching = load * rms_gradient(windows[0]) / rms_gradient(window)
+    of_map, *others = (run(piece, mean_pressure=touching) for piece in windows)
+    factor = float(student(np.array(len(others) - 1.0))) / math.sqrt(len(others))
+    changes = {
+        name: np.array([change(name, other, of_map) for other in others]) for name in names if name != PEAK
+    }
+    return [
+        {name: one_sided(numbers.mean(axis=0)) for name, numbers in changes.items()},
+        {name: symmetric(factor * numbers.std(axis=0, ddof=1)) for name, numbers in changes.items()},
+    ]
 
 
 def with_ends(course: xr.Dataset, causes: Iterable[Components]) -> xr.Dataset:

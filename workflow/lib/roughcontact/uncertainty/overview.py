@@ -132,19 +132,24 @@ def _view(
     arguments: Mapping[str, Any],
 ) -> View:
     """Return what an overview shows of other places than that of the map."""
-    footprint = None
-    for field in (overview, *overviews):  # those with its pixels, as maps of one instrument have
-        is_like_it = np.allclose(spacing(field), spacing(overview), rtol=_SAME_PIXELS)
-        if footprint is None and is_like_it and (place := placing.recorded_place(field)):
-            footprint = field.isel(window_of_place(fine, field, place))
-    sees_map = footprint is not None
-    footprint = placing.shown_by(fine, overview) if footprint is None else footprint
+    own, sees_map = own_place(fine, overview, overviews)
     return View(
-        transfers_of(result, form_order(fine), footprint, overview, arguments),
+        transfers_of(result, form_order(fine), own, overview, arguments),
         pixels=math.sqrt(math.prod(spacing(overview)) / math.prod(spacing(fine))),
         sees_map=sees_map,
         field=math.prod(field_ratios(fine, overview)),
     )
+
+
+def own_place(
+    fine: xr.DataArray, overview: xr.DataArray, overviews: Sequence[xr.DataArray]
+) -> tuple[xr.DataArray, bool]:
+    """Return the place of a map with the pixels of an overview, and whether one of the overviews shows it."""
+    for field in (overview, *overviews):  # those with its pixels, as maps of one instrument have
+        is_like_it = np.allclose(spacing(field), spacing(overview), rtol=_SAME_PIXELS)
+        if is_like_it and (place := placing.recorded_place(field)):
+            return field.isel(window_of_place(fine, field, place)), True
+    return placing.shown_by(fine, overview), False
 
 
 def field_ratios(fine: xr.DataArray, overview: xr.DataArray) -> tuple[float, float]:
