@@ -198,13 +198,30 @@ def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[tuple[str, str |
         (load, area, *_) = group_cells(group.answer, glance_units([group.answer])[0], -1)
         known = ", ".join(filter(None, (area.details, area.known)))
         words = [f"contact area {area.text}{f' ({known})' if known else ''}"]
-        members = [maps[str(name), group.case] for name in group.answer["map"].values]
-        for name in stated_allowed(members[0]):
-            holding = sum(float(member[f"{name}_holds"][-1]) == 1 for member in members)
-            subject = f"{ALLOWED_VALUES[name].words} {limit_in_words(members[0], name)}"
-            words.insert(0, f"{subject} holds for {holding} of {len(members)}")
+        words = [
+            *holding_in_words([maps[str(name), group.case] for name in group.answer["map"].values]),
+            *words,
+        ]
         sentences.append(f"{group.label} at {load.text}: {', '.join(words)}")
     return f"{'; '.join(sentences)}." if sentences else ""
+
+
+def holding_in_words(results: Sequence[xr.Dataset]) -> list[str]:
+    """Return for how many surfaces what all of them are allowed holds at their last load.
+
+    Examples
+    --------
+    >>> seal = xr.Dataset({"allowed_leak": 1e-9, "leak_holds": ("load", [np.nan, 1.0])})
+    >>> holding_in_words([seal, seal.assign(leak_holds=("load", [0.0, 0.0]))])
+    ['leak of at most 3.60 ml/h holds for 1 of 2']
+    """
+    names = [name for name in stated_allowed(results[0]) if all(f"{name}_holds" in data for data in results)]
+    holding = {name: sum(float(data[f"{name}_holds"][-1]) == 1 for data in results) for name in names}
+    return [
+        f"{ALLOWED_VALUES[name].words} {limit_in_words(results[0], name)} holds for {count} of {len(results)}"
+        for name, count in holding.items()
+        if len({float(data[f"allowed_{name}"]) for data in results}) == 1
+    ]
 
 
 def _comparison(part: xr.Dataset, name: str, is_limited_at: Sequence[bool]) -> Row:
