@@ -359,7 +359,7 @@ def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refus
     ("line", "words"),
     [
         ("Bad pixel: -9", "line 1 says 'Bad pixel: -9', and there are 2 points .* give missing_value"),
-        ("Fehlwert -9", "2 points with that height"),
+        ("Ungültige Stellen -9", "2 points with that height"),
         ("Z inverted: yes", "'Z inverted: yes', which is not used: check first_row, the sign"),
         ("Origin: bottom left", "which is not used"),
         ("Data: Deflection", "which is not used"),

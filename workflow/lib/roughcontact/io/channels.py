@@ -65,6 +65,11 @@ class Channel:
         """Whether it is a single profile."""
         return self.shape[0] == 1
 
+    @property
+    def scale_advice(self) -> str:
+        """What to give where the steps in the file are doubted."""
+        return "give dx, dy and unit" if self.height_unit else "give dx, dy, unit and height_unit"
+
     def __post_init__(self) -> None:
         if not self.no_height and self.height_unit is not None and not is_length(self.height_unit):
             self.no_height = f"values in {self.height_unit}, no length"

@@ -15,6 +15,7 @@ from roughcontact.io.sources import quoted, says_another_unit
 from roughcontact.io.units import is_length, metres
 
 _SHORTEST = 1e-30  # m; steps from this to its inverse cause no overflow
+_WIDE_PIXEL = 1.5  # dx over dy of lines that may be halves of longer ones
 _MIN_LINES = 10  # of a matrix whose pixels reveal that it was cut off
 
 
@@ -58,7 +59,9 @@ def decide_scale(channel: Channel, request: Request) -> Scale:
             f"steps of {dx:g} m x {dy:g} m are impossible; give dx, dy and unit", keys=["dx", "dy", "unit"]
         )
     if channel.size_rounding is not None and request.dx is None and request.dy is None:
-        _refuse_cut_matrix(channel.shape, dx, dy, sum(channel.size_rounding))
+        _refuse_cut_matrix(channel, dx, dy)
+        if dx > _WIDE_PIXEL * dy:
+            notes.append(f"pixels of {dx / dy:.3g} : 1 by the size alone: check whether lines were wrapped")
     height_factor = _height_factor(channel, request, (dx, dy), notes)
     return Scale(dx, dy, height_factor, notes)
 
@@ -173,17 +176,17 @@ def _missing_steps(channel: Channel, request: Request) -> InputFileError:
     )
 
 
-def _refuse_cut_matrix(shape: tuple[int, int], dx: float, dy: float, rounding: float) -> None:
-    """Refuse a text matrix whose pixels would be square with more lines (`rounding`: of their ratio).
+def _refuse_cut_matrix(channel: Channel, dx: float, dy: float) -> None:
+    """Refuse a text matrix whose pixels would be square with more lines.
 
     Accepted are every second, third ... line, pixels of 3 : 2 and 4 : 3, numbers of lines that no square
     pixels explain, sizes from the first point to the last, and maps of less than ten lines, whose pixels may
     have any shape.
     """
-    ny, nx = shape
+    ny, nx = channel.shape
     ratio = dy / dx
     square_rows = ny * ratio  # number of lines of square pixels
-    slack = square_rows * rounding
+    slack = square_rows * sum(channel.size_rounding or ())
     chosen = any(abs(ratio / simple - 1) <= 0.5 / ny for simple in (max(round(ratio), 1), 3 / 2, 4 / 3))
     if ny < _MIN_LINES or square_rows - ny <= 0.5 + slack or chosen:
         return
@@ -193,6 +196,6 @@ def _refuse_cut_matrix(shape: tuple[int, int], dx: float, dy: float, rounding: f
         return
     raise InputFileError(
         f"{ny} lines of {nx} numbers do not fit the size in the header: the pixels would be "
-        f"{dx:.6g} m x {dy:.6g} m; the file seems to be cut off. If it is whole, give dx, dy and unit",
+        f"{dx:.6g} m x {dy:.6g} m; the file seems to be cut off. If it is whole, {channel.scale_advice}",
         keys=["dx", "dy", "unit"],
     )

@@ -38,6 +38,7 @@ _SPEED = re.compile(r"\s*/\s*(?:s|sec|min|h)\b")
 _PLAIN = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 _TOLERANCE = re.compile(r"(?:\+/-|±)\s*[\d.,]+\s*\w*")
 _COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*(?!point|pixel)[^\W\d_])")
+_COUNT = re.compile(r"[:=\s]\s*(\d{1,9})\W*$")
 _CLOSE, _WIDEST = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with their rounding
 _MAX_QUOTED = 3  # lines in a question
 
@@ -185,6 +186,9 @@ def lines_not_used(
         is_factor = "factor" in matters and bool(values) and values[-1] not in (0, 1)
         counts = _COUNTS.search(text)
         strange_points = counts is not None and {*map(int, counts.groups())} != {nx, ny}
+        is_count = "points" in matters and not matters & {"marker", "elsewhere"}
+        number_of = _COUNT.search(text) if is_count else None  # in words that are not known
+        strange_count = number_of is not None and int(number_of[1]) not in (0, 1, nx, ny, nx * ny)
         check = ""
         # a line is quoted once, for the first matter that it may concern
         if values and "marker" in matters and (count := int(np.sum(finite == values[-1]))):
@@ -206,7 +210,7 @@ def lines_not_used(
             )
         elif "pixels" in matters and values != [1] and not _DENIED.search(text):
             check = "which is not used: check the steps dx and dy"
-        elif (stated_above and (strange or strange_points)) or (strange_points and "points" in matters):
+        elif (stated_above and (strange or strange_points)) or (strange_points and is_count) or strange_count:
             check = "which is not used: check the steps dx and dy, and the units"
         elif "lateral" not in matters and any(
             length.bare and metres(length.unit) != height_factor and not length.agrees(lengths_used)

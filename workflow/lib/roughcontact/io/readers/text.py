@@ -46,7 +46,6 @@ _MAX_DISTANCE = 20  # lines above the table among which may be a heading with a 
 _SIDE = {axis: pattern("side", axis) for axis in "xy"}
 _KEYENCE = -99999.9999  # that VR and VK series write for a missing point
 _ARC_INFO = {"ncols", "nrows", "cellsize"}  # first words of the header of a grid
-_SCALE_ADVICE = "correct the file, or give dx, dy and unit"
 
 
 class _Text(NamedTuple):
@@ -155,7 +154,7 @@ def _unused(
     rows: Rows, by_meaning: Stated, columns: list[Column] | None, delimiter: str | None
 ) -> list[tuple[int, str]]:
     """Return the lines above a table, with their numbers, that are no statement and name no columns."""
-    groups = (group for meaning, group in by_meaning.items() if meaning not in ("length", "size"))
+    groups = (group for meaning, group in by_meaning.items() if meaning not in ("length", "size", "factor"))
     used = Counter(statement.line for group in groups for statement in group)
     return [
         (number, line.strip()[:_LONGEST_QUOTE])
@@ -258,7 +257,8 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
             f"line {text.rows.lines[0]} begins anew, or has an empty column: maps beside one another; leave "
             "one of them in the file, or write NaN where a column is missing"
         )
-    axes = find_axes(values, corner=text.table.empty_corner)
+    unit, note = _unit_in_corner(text.rows.label)
+    axes = find_axes(values, corner=text.table.empty_corner, positions=bool(unit))
     if are_points(values.T):
         raise InputFileError(
             f"line {text.rows.lines[0]} holds positions: write the points in columns, x, (y,) z"
@@ -273,7 +273,6 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
         if text.table.short:
             raise InputFileError(f"line {text.rows.lines[0]} has {nx - 1} numbers where the others have {nx}")
         return _matrix(values, text)
-    unit, note = _unit_in_corner(text.rows.label)
     file = _matrix(axes.values, text, axes.steps, lateral_unit=unit if len(axes.steps) == 2 else None)
     (channel,) = file.channels
     file.warnings.append(axes.note + (note if channel.lateral_unit is None else ""))
@@ -282,11 +281,11 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
     if channel.doubt:
         return file
     if wrong := _contradictions(text, axes.steps, None, (len(axes.values), axes.values.shape[1])):
-        channel.doubt = f"{axes.note}: {wrong}; {_SCALE_ADVICE}"
+        channel.doubt = f"{axes.note}: {wrong}; correct the file, or {channel.scale_advice}"
     elif not axes.rows and nx < _MANY_PROFILES and not {"length_y", "dy", "step", "ny"} & {*text.stated}:
         channel.doubt = (
             f"the first of {nx} columns holds positions: of {counted_noun(nx - 1, 'profile')}, then name the "
-            "columns in a line above them (x, z1, ...), or of the rows of a map, then give dx, dy and unit"
+            f"columns in a line above them (x, z1, ...), or of the rows of a map, then {channel.scale_advice}"
         )
     if channel.doubt:
         channel.otherwise = replace(channel, doubt="")
@@ -471,7 +470,7 @@ def _matrix(
     channel.sources = dict.fromkeys(positions or (), "positions") | channel.sources
     if wrong:
         channel.otherwise = replace(channel)
-        channel.doubt = f"{wrong}; {_SCALE_ADVICE}"
+        channel.doubt = f"{wrong}; correct the file, or {channel.scale_advice}"
     elif sizes == {"length_x", "length_y"}:
         lengths = [entries[f"length_{axis}"][0] for axis in "xy"]
         channel.size_rounding = tuple(length.rounding / (length.value or np.inf) for length in lengths)

@@ -15,7 +15,9 @@ _MIN_AMONG_HEIGHTS = 8  # positions; fewer levels of a quantised map may be even
 _CLOSE, _ROUNDED = 0.02, 0.06
 _EXACT = 1e-3  # of a step: largest deviation of a row among heights
 _STEP_RATIO = 2.0  # ratio of the steps of lines of heights, which are even on a tilted plane
-_ALIKE = 0.7  # of the usual distance of two rows: that of rows of one part of wrapped lines
+# of the usual distance of two rows: that of rows of one part of wrapped lines; of that of
+# neighbouring points: where the parts join
+_ALIKE, _JOINED = 0.75, 1.7
 _COMPARED = 50  # rows or columns that would be even as well if the first one were heights
 
 
@@ -32,11 +34,12 @@ class Axes(NamedTuple):
     rows: int
 
 
-def find_axes(values: np.ndarray, *, corner: bool = False) -> Axes | None:
+def find_axes(values: np.ndarray, *, corner: bool = False, positions: bool = False) -> Axes | None:
     """Return the heights of a table and the positions beside them, None where there are none.
 
     Positions are a first row or column that is an even progression, as the others are not; the cell that both
-    share, which is empty if `corner`, is no height.
+    share, which is empty if `corner`, is no height. Counts from 0 or 1 may number the rows, unless they are
+    known as `positions`.
 
     Examples
     --------
@@ -66,7 +69,7 @@ def find_axes(values: np.ndarray, *, corner: bool = False) -> Axes | None:
     for line, step, axis in ((values[0, columns:], x, "x"), (values[rows:, 0], y, "y")):
         if step is None:
             continue
-        counts = step == 1 and line[0] in (0, 1)
+        counts = step == 1 and line[0] in (0, 1) and not positions
         example = ", ".join(f"{number:g}" for number in line[:3])
         description = "numbers or positions, and left out" if counts else f"positions along {axis}"
         if counts and axis == "y":
@@ -156,13 +159,13 @@ def wrapped(values: np.ndarray) -> str:
     ('', '2 lines each go on where the one above ends: ')
     """
     distances = [np.inf]  # of rows one, two ... lines apart
-    for count in (1, 2, 3, 4) if values.shape[1] >= _FEW_POSITIONS else ():
+    for count in (1, 2, 3, 4) if values.shape[1] >= _MIN_FROM_ZERO else ():
         if len(values) < _MIN_FROM_ZERO * count:
             break
-        distances.append(float(np.nanmedian(np.abs(values[count:] - values[:-count]))))
+        distances.append(float(np.nanmean(np.abs(values[count:] - values[:-count]))))
         joins = np.abs(values[1:, 0] - values[:-1, -1])[np.arange(1, len(values)) % count != 0]
         is_wrapped = count > 1 and len(values) % count == 0 and distances[-1] < _ALIKE * min(distances[:-1])
-        if is_wrapped and np.nanmedian(joins) < 1.5 * np.nanmedian(np.abs(np.diff(values))):
+        if is_wrapped and np.nanmean(joins) < _JOINED * np.nanmean(np.abs(np.diff(values))):
             return f"{count} lines each go on where the one above ends: if lines were wrapped, join them"
     return ""
 

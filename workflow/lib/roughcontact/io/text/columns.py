@@ -20,6 +20,9 @@ _WIDE_TABLE = 8  # columns; so many with one heading are the columns of a map
 
 # heading -> role of its column
 _ROLE = meanings("column") | dict.fromkeys(words("header")["height"], "z")
+_DOTTED = re.compile(r"(\w+)\.+(\w+)\.?")  # as R writes "x (um)"
+_BESIDE = "|".join(words("beside")["letter"])
+_LETTER = re.compile(rf"(?:{_BESIDE})*([xyz])(?:{_BESIDE})*")  # "posx", "xcoordinate"
 
 
 class Column(NamedTuple):
@@ -137,7 +140,7 @@ def is_heading(cell: str) -> bool:
 
 def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
     """Return the cells of a line of headings; none if it is an entry, or if they are not `count`."""
-    text = line.strip(" \r\n").lstrip("#%/").strip(" " if delimiter == "\t" else None)
+    text = line.strip(" \r\n").lstrip("#%/*").strip(" " if delimiter == "\t" else None)
     text = _LABEL.sub("", text)
     if len(text) > _MAX_LINE_LENGTH or not text:
         return []
@@ -161,9 +164,11 @@ def _column(cell: str) -> Column:
 
 
 def _role(name: str) -> str:
-    """Return the role of a column by its name: with its numbers, without them, or by the first word."""
+    """Return the role of a column by its name: the letter of an axis, all of it, or its first word."""
     name_parts = re.split(r"[\s_]+", name.lower())
     full_name = re.sub(r"[\W_]", "", "".join(name_parts))
+    if letter := _LETTER.fullmatch("".join(filter(str.isalpha, full_name))):
+        return letter[1]
     spellings = (full_name, *("".join(filter(str.isalpha, text)) for text in (full_name, name_parts[0])))
     roles = (_ROLE[spelling] for spelling in spellings if spelling in _ROLE)
     return "index" if name == "#" else next(roles, "")
@@ -171,6 +176,8 @@ def _role(name: str) -> str:
 
 def _name_and_unit(cell: str) -> tuple[str, str | None]:
     """Return a heading without its unit, and the unit."""
+    if (dotted := _DOTTED.fullmatch(cell)) and is_length(dotted[2]):
+        cell = f"{dotted[1]} ({dotted[2]})"
     if is_length(cell):
         return "", cell
     name, opening, remainder = cell.replace("[", "(").partition("(")

@@ -41,6 +41,11 @@ _TWO_SIDES = re.compile(
     rf"([^\d:=]*?[^\W\d])\W*?[\s:=]\s*((?:{_SIDE}\b\s*[=:]?\s*)?[-+.\d].*)", re.IGNORECASE
 )
 _BEFORE_A_NUMBER = re.compile(r"([^\d;,]*[^\W\d])\s+([\[(]?[-+.]?\d.*)")
+# a length among the words that name it: "rows are 0.6 µm apart", "0.4 µm per pixel"
+_AROUND = re.compile(
+    r"([^\d:=;,]*?)\s*\b((?:[\d.,]+\s*(?:[x×*/]|by)\s*)?[\d.,]+\s*([^\W\d_]+[²2]?))(?:\s*/\s*|\s+)([^\d:=;,(]+)"
+)
+_ONE_AXIS = re.compile(rf"({_SIDE})(?:[\s-]*(?:axis|direction))?\s*:\s*(.+,.+)", re.IGNORECASE)
 _AXIS = meanings("axis")
 _NO_HEADINGS = re.compile(r"[^(\[/]*(?::|\b(?:and|und|et)\b)[^(\[/]*")
 # between the entries of a line, not within brackets
@@ -91,8 +96,11 @@ class Stated(dict[str, list[Statement]]):
         single, common, sizes = (self.get(key, []) for key in ("d" + axis, "step", "length_" + axis))
         if {length.line for length in single} & {length.line for length in common}:
             common = []  # "spacing ...; line spacing ..."
-        # beside a step a size without a unit may be their number
-        sizes = [size for size in sizes if size.unit or size.value != count or not single + common]
+        # a size without a unit beside a step, or a step beside a size, may be their number
+        single, sizes = (
+            [each for each in lengths if each.unit or each.value != count or not common + others]
+            for lengths, others in ((single, sizes), (sizes, single))
+        )
         return [*((step, 1) for step in single + common), *((size, count) for size in sizes)]
 
 
@@ -121,6 +129,9 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
         if len(text) > _MAX_PHRASE:
             text = re.sub(r"(\s)\s+", r"\1", text)
         pieces = _PIECES.split(text) if len(text) < _MAX_PHRASE else [text]
+        if len(pieces) > 1 and (axis := _ONE_AXIS.fullmatch(text)):  # "x axis: 18 points, step 0.4 µm"
+            pieces = [re.sub(r"^(\d+)\s+([^\W\d]+)$", r"\2 \1", piece) for piece in _PIECES.split(axis[2])]
+            pieces = [re.sub(r"^([^\d:=]*[^\W\d])", rf"\1 {axis[1]}", piece) for piece in pieces]
         found = [[*_parsed(piece, sign, alone=len(pieces) == 1)] for piece in pieces]
         # all pieces are entries, or the line is one
         for meaning, statement in chain(*found) if all(found) else _parsed(text, sign):
@@ -241,6 +252,10 @@ def _entries(text: str, *, alone: bool) -> Iterator[tuple[str, str]]:
     if text[:1].isdigit() and not _COUNTED.sub("", text):
         yield from ((word, number) for number, word in _COUNTED.findall(text))
         return
+    around = _AROUND.fullmatch(text) if len(text) < _MAX_PHRASE else None
+    if around and is_length(around[3].rstrip("²2")) and _meaning(name := f"{around[1]} {around[4]}"):
+        yield name, around[2]
+        return
     head, *value_texts = re.split(r"\s*[:=]\s*", text)
     keys, values = [head], []
     # "h=305 w=75" is two entries; "file = C:/map" is one, as its second value is no number
@@ -285,7 +300,7 @@ def _units_of_axes(text: str) -> list[tuple[str, str]]:
     no_headings = "u" in order or "xx" in order or _NO_HEADINGS.fullmatch(text)
     if re.fullmatch("u+(x+z+)?u*11+", order) and len(units) <= 3 and same_length(units[0], units[-2]):
         axes = ["x"] * (len(units) - 1) + ["z"]
-    elif re.fullmatch("(u*x+u*1u*)+(u*z+u*1u*)+", order) and no_headings:
+    elif re.fullmatch("(u*x+u*1u*)+(u*z+u*1u*)*", order) and no_headings:
         axes = re.findall("([xz])u*1", order)
     else:
         return []
@@ -309,7 +324,9 @@ def _parts() -> re.Pattern[str]:
 @cache
 def _meaning(key: str) -> str | None:
     """Return the meaning of a key: a word, or composed of such; None for an unknown key."""
-    name = re.sub(r"[\s_-]+|(?<=[a-z])(?=[A-Z])", " ", key).strip().strip('"').lower()
+    name = (
+        re.sub(r"[\s_-]+|(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", key).strip().strip('"').lower()
+    )
     parts = {_PART[part] for part in _parts().findall(name[:_MAX_PHRASE])} - {"none"}
     bare_name = _parts().sub(lambda part: part[0] * (_PART[part[0]] != "none"), name[:_MAX_PHRASE])
     is_phrase = len(name) < _MAX_PHRASE and not re.search(r"\w", _parts().sub("", name))
@@ -349,6 +366,9 @@ def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Stateme
                 yield "lateral_unit", Statement(of_counts)
             yield from _parse_numbers(meaning, match, unit or of_counts, sign)
         return
+    if meaning == "shape" and axes == "xy":  # of NumPy: rows first
+        axes = "yx"
+    sides[-1] = re.sub(r"(?<=[^\W\d])(?:²|\^?2)$", "", sides[-1])  # "0.4 x 0.6 µm²"
     units = [_PER_PIXEL.sub("", NUMBER.sub("", side, count=1).strip()) for side in sides]
     common = units[1] or unit
     kinds, first_kinds = (
@@ -396,6 +416,8 @@ def _parse_numbers(
     if meaning in _BY_UNIT:  # "Pixel x: 0.4 µm" is a step, "Pixel x: 18" a number of them
         meaning = _BY_UNIT[meaning][not is_length(_PER_PIXEL.sub("", value_unit or unit))]
     number, rounding = number_and_rounding(match[0].rstrip(".,"), sign)
+    if meaning == "invalid" and number < 0:  # else it may be the number of such points
+        meaning = "missing"
     if meaning in _COUNTS:  # 1,024 and 18.0000001
         number = float(re.sub(r"\D", "", match[0])) if math.isnan(number) else round(number, 6)
     if meaning == "per_pixel" and _PER_PIXEL.search(suffix or unit):
@@ -407,7 +429,7 @@ def _parse_numbers(
     if meaning in _COUNTS and number % 1:
         return
     bare_size = meaning == "size" and not is_length(value_unit)
-    unclear = bare_size or meaning in ("per_pixel", "-")
+    unclear = bare_size or meaning in ("per_pixel", "invalid", "-")
     if unclear or (meaning in LENGTHS and _RANGE.match(suffix)):
         return
     yield meaning, Statement(number, value_unit, rounding)

@@ -189,11 +189,12 @@ def _are_labelled(lines: list[str]) -> bool:
 
 def _is_row_like(line: str, row: str) -> bool:
     """Return whether a line is a row that begins with a number and has a word, as wide as those below it."""
-    delimiter = next((sign for sign in ";\t," if sign in row), None)
-    cells = [cell.strip() for cell in line.split(delimiter)]
+    signs = ";\t" if re.search(r"\d\s+[-\d]", row) else ";\t,"  # between blanks commas are decimal signs
+    delimiter = next((sign for sign in signs if sign in row), None)
+    cells = [cell.strip().replace(",", ".") for cell in line.split(delimiter)]
     if not is_row(line) or len(cells) < len(row.split(delimiter)) or len(line) > len(cells) * _MAX_CELL:
         return False
-    if not cells[0] or is_missing(cells[0]) or _parse_number(cells[0].replace(",", ".")) is None:
+    if not cells[0] or is_missing(cells[0]) or _parse_number(cells[0]) is None:
         return False
     # between blanks "3 points" and "10 µm" are lines of a header
     words = [] if delimiter else [cell for cell in cells if _parse_number(cell) is None]

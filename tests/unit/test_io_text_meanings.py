@@ -1,0 +1,120 @@
+"""A number of a text is used where its meaning is stated, in words of several languages; else it is asked."""
+
+import json
+
+import numpy as np
+import pytest
+from measured_files import cells, holds, points, warnings_of
+
+ONE = np.round(np.random.default_rng(11).normal(size=(8, 10)), 3)  # nm
+ROWS, STEPS = cells(ONE), "dx: 0.5 µm\ndy: 0.25 µm\n"
+
+
+def is_right(height, heights=ONE[::-1]):
+    holds(height, 1e-9 * heights, 0.5e-6, 0.25e-6, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "rows are 0.25 µm apart, columns are 0.5 µm apart\nZ unit: nm",
+        "0.5 x 0.25 µm² pixel size, heights in nm",
+        "shape (8, 10), dx=0.5 dy=0.25 um, heights in nm",
+        "heights [nm], pixel 0.5 x 0.25 um^2",
+        "mesh 0.5 µm / 0.25 µm (x/y)\nZ unit: nm",
+        "X axis: 10 points, step 0.5 µm\nY axis: 8 lines, step 0.25 µm\nZ axis: nm",
+        "Point spacing: 0.5 µm / 0.25 µm\nZ unit: nm",
+        "XScanRange: 5 µm\nYScanRange: 2 µm\nPixel Width: 10\nPixel Height: 8\nZ unit: nm",
+        "Taille de balayage X: 5 µm\nTaille de balayage Y: 2 µm\nUnité Z: nm\nRayon de la pointe: 2 µm",
+        "Separación X: 0,5 micras\nSeparación Y: 0,25 micras\nAlturas en nm\nLongitud de onda: 405 nm",
+        "Intervallo X: 5 µm\nIntervallo Y: 2 µm\nPunti per linea: 10\nLinee: 8\nQuote in nm",
+        "Feldgröße X: 5 µm\nFeldgröße Y: 2 µm\nHöhen in nm\nArbeitsabstand: 4,7 mm",
+    ],
+)
+def test_a_size_is_read_in_the_words_around_it(read, lines):
+    is_right(read(f"{lines}\n{ROWS}"))
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [
+        "Coordenada X (µm);Coordenada Y (µm);Cota (nm)",
+        "Pos. X [µm];Pos. Y [µm];Höhenwert [nm]",
+        "x-Koordinate (µm);y-Koordinate (µm);z-Koordinate (nm)",
+        "x.um.;y.um.;z.nm.",
+        "* X(µm);Y(µm);Z(nm)",
+    ],
+)
+def test_the_letter_of_an_axis_names_a_column(read, heading):
+    is_right(read(f"{heading}\n{cells(points(ONE, 0.5, 0.25), ';')}"), ONE)
+
+
+def test_words_behind_decimal_commas_lose_no_point(read):
+    rows = cells(points(ONE, 0.5, 0.25), " ").replace(".", ",").splitlines()
+    is_right(read("X Y Z status\nµm µm nm\n" + "\n".join(f"{row} ok" for row in rows)), ONE)
+
+
+@pytest.mark.parametrize("line", ["Scale factor: 0.1 nm", "z_scale = 0.1 nm", "Skalierung: 0,1"])
+def test_a_factor_above_counts_is_asked_about(read, refused, line):
+    text = f"{STEPS}Z unit: nm\n{line}\n{cells(np.round(100 * ONE))}"
+    refused(text, "all heights are whole numbers, as counts are")
+    assert read(text, ignore_lines=4).attrs["missing_points"] == 0
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("Réplica: sí", "Mould: Provil novo", "Empreinte silicone", "Calco del pezzo", "z -> -z"),
+        *("Gespiegelt in z", "Vorzeichen umgekehrt", "Heights times -1", "profundidad bajo la referencia"),
+    ],
+)
+def test_what_turns_the_heights_is_said(read, line):
+    height = read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}")
+    assert f"line 4 says '{line}', which is not used: check first_row, the sign" in warnings_of(height)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("Binned 2 x 2", "Every 2nd point exported", "Jeder 2. Punkt", "Un point sur 2", "Un punto su 2"),
+        *("Datenreduktion: 2", "Tiles: 3 x 2", "Messpunkte je Spur: 40"),
+    ],
+)
+def test_what_changes_the_number_of_points_is_said(read, line):
+    height = read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}")
+    assert f"line 4 says '{line}', which is not used: check the steps" in warnings_of(height)
+
+
+@pytest.mark.parametrize("line", ["Nicht gemessen", "Points non mesurés", "Bad pixels", "Sin datos"])
+def test_a_negative_number_of_missing_points_marks_them(read, line):
+    table, other = ONE.copy(), ONE.copy()
+    table[2, 3], other[2, 3] = -9999, 12
+    height = read(f"{STEPS}Z unit: nm\n{line}: -9999\n{cells(table)}")
+    is_right(height, np.where(table == -9999, np.nan, table)[::-1])
+    # how many there are, and no marker: a point that has this height is said, and kept
+    count = read(f"{STEPS}Z unit: nm\n{line}: 12\n{cells(other)}")
+    assert count.attrs["missing_points"] == 0
+    assert "there is 1 point with that height" in warnings_of(count)
+
+
+def test_positions_that_the_corner_names_are_no_numbers_of_rows(read):
+    table = cells(np.column_stack([np.arange(8), ONE]), ";")
+    x = ";".join(f"{0.5 * column:g}" for column in range(10))
+    height = read(f"Heights in nm\ny\\x [µm];{x}\n{table}")
+    holds(height, 1e-9 * ONE, 0.5e-6, 1e-6, rtol=1e-12)
+    assert json.loads(height.attrs["ingest_sources"])["dy"] == "positions"
+
+
+def test_steps_that_are_doubted_are_asked_with_the_unit_of_heights(refused):
+    text = f"X Size: 10\nY Size: 8\n{ROWS}"
+    refused(text, "10 columns: a size without a unit, or their number; .* give dx, dy, unit and height_unit")
+
+
+def test_lines_that_were_wrapped_are_asked_about_or_said(read, refused):
+    random = np.random.default_rng(5)
+    kernel = np.exp(-8 * np.hypot(*np.meshgrid(np.fft.fftfreq(12), np.fft.fftfreq(10))))
+    smooth = np.fft.ifft2(np.fft.fft2(random.normal(size=(10, 12))) * kernel).real
+    sizes = "Width: 5 µm\nHeight: 2 µm\nZ unit: nm\n"
+    refused(sizes + cells(np.round(smooth.reshape(20, 6), 4)), "2 lines each go on where the one above ends")
+    rough = np.round(random.normal(size=(20, 6)), 4)
+    assert "pixels of 8.33 : 1 by the size alone" in warnings_of(read(sizes + cells(rough)))
