@@ -1,10 +1,12 @@
 """What two measurements of a place differ by: noise, a shift, or what was done in between."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import roughcontact as rc
 from roughcontact import HeightMapError, self_affine_surface
 from roughcontact.surface.levelling.repeats import noise_of_repeats
 
@@ -118,3 +120,23 @@ def test_repeats_of_another_size_or_place_are_refused(rough):
         noise_of_repeats(rough, rough[:100])
     with pytest.raises(HeightMapError, match="do not show the same place"):
         noise_of_repeats(rough, rough.roll(x=40, roll_coords=False))
+
+
+def test_repeats_with_unlike_missing_points_have_one_window(rough, twice, tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "workflow/scripts"))
+    from _other_maps import with_repeats
+
+    lacking = {"a": np.s_[:, :9], "b": np.s_[100:, :], "c": np.s_[40:44, 60:70]}
+    for name, points in lacking.items():
+        height = twice(rough)[0]
+        height[points] = np.nan
+        height.rename("height").to_netcdf(tmp_path / f"{name}.nc")
+    windows = []
+    for name in lacking:
+        others = [{"name": key, "path": str(tmp_path / f"{key}.nc")} for key in lacking if key != name]
+        part = with_repeats(rc.read_height_map(tmp_path / f"{name}.nc"), name, others)
+        assert part.attrs["instrument_noise"] == pytest.approx(2e-9, rel=0.1)
+        assert part.attrs["missing_points"] == int(part.isnull().sum())
+        windows.append(rc.periodic_window(rc.level(part)))
+    for window in windows[1:]:
+        assert all((window[axis] == windows[0][axis]).all() for axis in "yx")

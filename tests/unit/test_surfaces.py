@@ -389,8 +389,8 @@ def test_an_unknown_column_hides_no_mistake_in_the_rows(table):
 def test_repeats_know_each_other(table):
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\tnoise", "a\ta.npy\tb\t", "b\tb.npy\t\t2 nm"))
     of_b = {"name": "b", "path": "b.npy", "instrument": {"noise": pytest.approx(2e-9)}}
-    assert surfaces["a"].read_arguments["repeat"] == of_b
-    assert surfaces["b"].read_arguments["repeat"] == {"name": "a", "path": "a.npy"}
+    assert surfaces["a"].read_arguments["repeats"] == [of_b]
+    assert surfaces["b"].read_arguments["repeats"] == [{"name": "a", "path": "a.npy"}]
 
 
 def test_what_allows_a_file_to_be_read_holds_for_its_overview(table):
@@ -404,7 +404,7 @@ def test_what_allows_a_file_to_be_read_holds_for_its_overview(table):
 def test_a_repeat_is_read_without_what_lies_around_it(table):
     rows = "a\ta.npy\t\tfield.npy", "b\tb.npy\ta\t"
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\toverview", *rows))
-    assert surfaces["b"].read_arguments["repeat"] == {"name": "a", "path": "a.npy"}
+    assert surfaces["b"].read_arguments["repeats"] == [{"name": "a", "path": "a.npy"}]
     assert surfaces["a"].read_arguments["overview"] == [{"path": "field.npy"}]
 
 
@@ -464,8 +464,8 @@ def test_a_place_before_pairs_surfaces_and_gives_no_noise(table):
     rows = "new\ta.npy\t\t", "worn\tb.npy\tnew\t", "again\tc.npy\t\tworn"
     surfaces = read_surfaces(table("surface\tpath\tbefore\trepeat_of", *rows))
     assert same_area_pairs(surfaces) == [("new", "worn"), ("worn", "again")]
-    assert "repeat" not in surfaces["new"].read_arguments
-    assert surfaces["worn"].read_arguments["repeat"]["name"] == "again"
+    assert "repeats" not in surfaces["new"].read_arguments
+    assert surfaces["worn"].read_arguments["repeats"][0]["name"] == "again"
 
 
 @pytest.mark.parametrize(
@@ -553,3 +553,10 @@ def test_a_wrong_position_of_an_overview_is_a_mistake_of_the_table(table, overvi
     path = table("surface\tpath\toverview\toverview_position\tunit", f"a\ta.txt\t{overview}\t{position}\tum")
     with pytest.raises(SettingsError, match=f"line 2, overview_position = .*{mistake}"):
         read_surfaces(path)
+
+
+def test_each_of_three_repeats_knows_both_others(table):
+    rows = "a\ta.npy\t", "b\tb.npy\ta", "c\tc.npy\tb"
+    surfaces = read_surfaces(table("surface\tpath\trepeat_of", *rows))
+    others = {name: [entry["name"] for entry in row.read_arguments["repeats"]] for name, row in surfaces.items()}
+    assert others == {"a": ["b", "c"], "b": ["a", "c"], "c": ["b", "a"]}

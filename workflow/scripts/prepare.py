@@ -4,7 +4,7 @@ With a coarser map around it, its overview, also overview.nc.
 """
 
 from _job import check_sources, save, say, snakemake, warn
-from _other_maps import part_of_place, with_noise
+from _other_maps import part_of_place, with_repeats
 from _overviews import write_overviews
 from _window import write_window
 
@@ -20,7 +20,7 @@ from roughcontact.surface.profiles.surface import stacked
 
 settings, row, output = snakemake.params.settings, snakemake.params.row, snakemake.output
 arguments = dict(settings["height"]["surface"])
-name, repeat = arguments.pop("name"), dict(arguments.pop("repeat", {}))
+name, repeats = arguments.pop("name"), arguments.pop("repeats", ())
 try:
     tile, along = arguments.pop("parts", None), arguments.pop("along", ())
     overviews, maps_of_place = arguments.pop("overview", ()), arguments.pop("place", ())
@@ -30,8 +30,8 @@ try:
         height = stacked(height, [read_height_map(**profile) for profile in along])
     if tile:
         height = cut(height, Tile(*tile))
-    if repeat:
-        height = with_noise(height, name, repeat)
+    if repeats:
+        height = with_repeats(height, name, repeats)
     if maps_of_place:
         height = part_of_place(height, name, maps_of_place)
 except RoughContactError as error:

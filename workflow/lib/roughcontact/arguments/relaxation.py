@@ -36,7 +36,7 @@ _COLUMNS = {
 }
 _UNITS = {"frequency": {"": 1.0, "Hz": 1.0, "kHz": 1e3}, "angular": {"": 1.0, "rad/s": 1.0, "1/s": 1.0}}
 _SERIES = ("long_time_modulus", "moduli", "times")
-_KEYS = {*_SERIES, "table", "wlf", "reference_temperature", "temperature"}
+KEYS = {*_SERIES, "table", "wlf", "reference_temperature", "temperature"}
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> R
             f"relaxation: a table and {beside[0]} of a Prony series given; give one of them",
             keys=["relaxation"],
         )
-    if unknown := {*properties} - _KEYS:
+    if unknown := {*properties} - KEYS:
         raise SettingsError(
             f"relaxation.{min(unknown)}: unknown; give long_time_modulus, moduli and times of a Prony "
             "series, or the table of a DMA; for another temperature wlf, reference_temperature, temperature",

@@ -246,11 +246,8 @@ class Plan:
         case, surface = split(result)
         if rule.startswith("prepare"):
             row = self.measured[surface]
-            repeat, along = (row.read_arguments.get(key) for key in ("repeat", "along"))
             files_along = [
-                *([repeat] if repeat else []),
-                *(along or []),
-                *row.read_arguments.get("place", ()),
+                *(entry for key in ("repeats", "along", "place") for entry in row.read_arguments.get(key, ())),
                 *self.with_overview.get(surface, ()),
             ]
             return [*dict.fromkeys([str(row.path), *(entry["path"] for entry in files_along)])]
@@ -337,7 +334,7 @@ class Plan:
             return BASE_MEMORY + 400 * millions
         if rule.startswith("prepare"):
             row = self.row(surface)
-            extra_bytes = {"repeat": 130, "place": 230}  # bytes a point
+            extra_bytes = {"repeats": 130, "place": 230}  # bytes a point
             bytes_each = max([90, *(extra_bytes[key] for key in extra_bytes if key in row.read_arguments)])
             return BASE_MEMORY + max(reading_memory(row.path), bytes_each * millions)
         if rule == "panel":  # a map or two at a time

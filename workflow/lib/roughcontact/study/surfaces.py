@@ -632,21 +632,26 @@ def in_cell(row: Surface, column: str, sentence: str) -> SettingsError:
 
 
 def _attach_repeats(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
-    """Return the rows; each of two repeats knows name and file of the other, and both are of one part.
+    """Return the rows; each of some repeats knows names and files of the others, and all are of one part.
 
-    Repeats of a place are no independent maps of a group. A part that the table states stays.
+    The first of the others is its partner, with which it tells the noise. Repeats of a place are no
+    independent maps of a group. A part that the table states stays.
     """
-    result = dict(surfaces)
-    pairs = [(name, row.repeat_of) for name, row in surfaces.items() if row.repeat_of]
-    for name, partner in [*pairs, *(pair[::-1] for pair in pairs)]:
+    result, of_first = dict(surfaces), {name: _first_repeated(surfaces, name) for name in surfaces}
+    partners = {row.repeat_of: name for name, row in reversed([*surfaces.items()]) if row.repeat_of}
+    partners |= {name: row.repeat_of for name, row in surfaces.items() if row.repeat_of}
+    for name, partner in partners.items():
         row, partner_row = surfaces[name], surfaces[partner]
-        repeat = {"name": partner, "path": str(partner_row.path), **_cells_of_map(partner_row)}
+        others = [key for key in surfaces if of_first[key] == of_first[name] and key not in (name, partner)]
+        repeats = [
+            {"name": key, "path": str(surfaces[key].path), **_cells_of_map(surfaces[key])}
+            for key in (partner, *others)
+        ]
         specimen = row.specimen
         if row.group == partner_row.group and row.group and not (row.specimen or partner_row.specimen):
-            specimen = _first_repeated(surfaces, name)
-        result[name] = replace(
-            result[name], read_arguments={"repeat": repeat, **result[name].read_arguments}, specimen=specimen
-        )
+            specimen = of_first[name]
+        arguments = {"repeats": repeats, **row.read_arguments}
+        result[name] = replace(row, read_arguments=arguments, specimen=specimen)
     return result
 
 

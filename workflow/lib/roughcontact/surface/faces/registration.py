@@ -102,12 +102,7 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
         positions = {axis: part[axis].values + shifts[name][row] for row, axis in enumerate("yx")}
         there = {axis: values - shifts[each][row] for row, (axis, values) in enumerate(positions.items())}
         measured &= other.notnull().sel(there, method="nearest").values
-    lacking, missing = int((part.notnull() & ~measured).sum()), int((~measured).sum())
-    part = part.where(measured).assign_attrs(missing_points=missing, missing_share=missing / part.size)
-    sentences = []
-    if lacking:
-        points = counted_noun(lacking, "point")
-        sentences.append(f"{points} that another map of the place lacks: counted as not measured")
+    part, sentences = measured_in_all(part, measured), []
     if name in registrations:
         y, x = registrations[name].shift
         moved = f"shifted by ({quantity(x, 'm')}, {quantity(y, 'm')})"
@@ -119,3 +114,13 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
     for text in sentences:
         part = part.assign_attrs(add_remark(part.attrs, text, fact=True))
     return part
+
+
+def measured_in_all(height: xr.DataArray, measured: xr.DataArray) -> xr.DataArray:
+    """Return a map (y, x; m) without the points that are not `measured` (y, x) in all maps of its place."""
+    lacking, missing = int((height.notnull() & ~measured).sum()), int((~measured).sum())
+    part = height.where(measured).assign_attrs(missing_points=missing, missing_share=missing / height.size)
+    if not lacking:
+        return part
+    text = f"{counted_noun(lacking, 'point')} that another map of the place lacks: counted as not measured"
+    return part.assign_attrs(add_remark(part.attrs, text, fact=True))

@@ -25,11 +25,8 @@ _TILE = 8  # points along each side of the places whose rms is compared
 _RAYLEIGH = math.sqrt(math.pi) / 2  # mean over rms of the moduli of the waves of white noise
 
 
-def noise_of_repeats(height: xr.DataArray, repeat: xr.DataArray) -> tuple[float, str]:
-    """Return the noise N_M (m, rms) of two maps of one area, and what else their difference holds.
-
-    Both are levelled by a plane; the difference has twice the variance of one's noise. NaN if unlike noise.
-    """
+def check_repeat(height: xr.DataArray, repeat: xr.DataArray) -> None:
+    """Raise a HeightMapError for two maps (y, x; m) whose points are not those of one area."""
     names = [height.attrs.get("source_file") or "a map" for height in (height, repeat)]
     steps = [spacing(height) for height in (height, repeat)]
     if height.shape != repeat.shape or not np.allclose(steps[0], steps[1], rtol=1e-6, atol=0):
@@ -38,6 +35,15 @@ def noise_of_repeats(height: xr.DataArray, repeat: xr.DataArray) -> tuple[float,
             f"repeat_of: {names[0]} ({sizes[0]}) and {names[1]} ({sizes[1]}) differ in size "
             "or pitch; a repeat is the same place measured again with the same settings"
         )
+
+
+def noise_of_repeats(height: xr.DataArray, repeat: xr.DataArray) -> tuple[float, str]:
+    """Return the noise N_M (m, rms) of two maps of one area, and what else their difference holds.
+
+    Both are levelled by a plane; the difference has twice the variance of one's noise. NaN if unlike noise.
+    """
+    check_repeat(height, repeat)
+    names = [height.attrs.get("source_file") or "a map" for height in (height, repeat)]
     if np.array_equal(height.values, repeat.values, equal_nan=True):
         raise HeightMapError(
             f"repeat_of: {names[0]} and {names[1]} have equal heights: a copy is no second measurement; name "
