@@ -219,6 +219,15 @@ def test_quantisation_step_is_found(dtype):
     assert quantisation_step(np.zeros((8, 8))) is None
 
 
+def test_heights_far_from_zero_in_single_precision_have_its_steps():
+    height = 0.7 + 0.1 * rough(128)
+    assert quantisation_step(height) is None
+    assert quantisation_step(height.astype(np.float32).astype(float)) == pytest.approx(2.0**-24, rel=1e-3)
+    assert quantisation_step(1e-6 * (1e6 * height).astype(np.float32).astype(float)) == pytest.approx(
+        2.0**-4 * 1e-6
+    )
+
+
 def test_quantisation_is_compared_with_the_roughness_and_not_with_the_tilt():
     tilt = 1e-3 * np.arange(64) * 1e-4
     height = height_map(np.round((rough() * 1e-2 + tilt) / 2e-9) * 2e-9, 1e-6)

@@ -25,7 +25,7 @@ def test_a_map_says_where_its_cells_are_and_what_is_missing():
 def test_pitches_of_maps_and_profiles():
     assert pitches(2) == (2.0, 2.0)
     assert pitches((3, 1)) == (3.0, 1.0)
-    with pytest.raises(ValueError, match="broadcast"):
+    with pytest.raises(ValueError, match="give the pitch of the points"):
         pitches((1, 2, 3))
     for shape, expected in (
         ((4, 5), (3.0, 2.0)),

@@ -558,5 +558,7 @@ def test_a_wrong_position_of_an_overview_is_a_mistake_of_the_table(table, overvi
 def test_each_of_three_repeats_knows_both_others(table):
     rows = "a\ta.npy\t", "b\tb.npy\ta", "c\tc.npy\tb"
     surfaces = read_surfaces(table("surface\tpath\trepeat_of", *rows))
-    others = {name: [entry["name"] for entry in row.read_arguments["repeats"]] for name, row in surfaces.items()}
+    others = {
+        name: [entry["name"] for entry in row.read_arguments["repeats"]] for name, row in surfaces.items()
+    }
     assert others == {"a": ["b", "c"], "b": ["a", "c"], "c": ["b", "a"]}

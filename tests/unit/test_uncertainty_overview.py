@@ -5,6 +5,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact import HeightMapError, self_affine_surface
+from roughcontact.io.read import read_overview
 from roughcontact.surface.faces.placing import overview_with_place, recorded_place
 from roughcontact.uncertainty.calibration import overview_arms, table
 from roughcontact.uncertainty.combination import uncertainty_table
@@ -243,3 +244,14 @@ def test_the_gas_of_a_joint_follows_the_gap_that_an_overview_shows(field):
     assert (found["joint_conductance_lower"].values < truth).all()
     assert (truth < found["joint_conductance_upper"].values).all()
     assert found["joint_conductance"].values == pytest.approx(truth, rel=0.05)
+
+
+def test_an_overview_without_a_size_is_asked_to_state_it_in_its_file(field, tmp_path):
+    """Where the row has the pixel size of the map, and none of its overview."""
+    path, heights = tmp_path / "field.txt", 1e6 * field[:64, :64].values
+    np.savetxt(path, heights)
+    asked = r"the size of an overview is stated in its file: .*# Width: 300 um"
+    with pytest.raises(rc.InputFileError, match=asked):
+        rc.evaluate(field[PLACE], overview=path, contact_modulus=1e9, relative_pressure=0.02)
+    np.savetxt(path, heights, header="Width: 64 um\nHeight: 64 um\nValue units: um")
+    np.testing.assert_allclose(read_overview(path)[::-1], field[:64, :64].values, rtol=1e-12)

@@ -376,7 +376,7 @@ class TestJobs:
                 else Body.model_json_schema()["properties"]["material"]["description"]
             )
             # the unit of a bare number stands beside the field, once
-            meaning = meaning.removesuffix(f"; in {unit}")
+            meaning = meaning.removesuffix(f"; a number alone is in {unit}")
             assert sentence == f"{' '.join(meaning.split())} {name}"
             assert len(meaning) > 5
             assert (key, described) == (name, sentence)
@@ -421,7 +421,7 @@ class TestJobs:
             "[...document.querySelectorAll('#fields .meaning, #fields input')]"
             ".map(part => part.innerText + (part.placeholder ?? '') + '\\n').join('')"
         )
-        words = r"\bnull\b|[mK]-\d|\b[mcµn]?m[23]\b|\bum\b|; in |, (?:Pa|N|m|s)\b"
+        words = r"\bnull\b|[mK]-\d|\b[mcµn]?m[23]\b|\bum\b|number alone|, (?:Pa|N|m|s)\b"
         assert re.findall(f".*(?:{words}).*", text) == []
 
     def test_mistakes_stand_beside_the_fields_of_the_question_and_lead_there(self, browser):

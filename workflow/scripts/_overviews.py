@@ -6,7 +6,7 @@ from _job import save, say, snakemake
 from xarray import DataArray
 
 from roughcontact.errors import RoughContactError
-from roughcontact.io.read import read_height_map
+from roughcontact.io.read import read_overview
 from roughcontact.surface.faces.placing import joined_overviews, place_in_words
 from roughcontact.surface.preparation import preparation_of
 
@@ -24,7 +24,7 @@ def write_overviews(
         arguments = dict(file)
         position = arguments.pop("position", "")
         try:
-            overview = read_height_map(**arguments)
+            overview = read_overview(**arguments)
             fields.append(preparation.overview(levelled, overview, settings["level"], position, middle))
         except RoughContactError as error:
             raise type(error)(f"{error} ({snakemake.params.row['origin']})") from error

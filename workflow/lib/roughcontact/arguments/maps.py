@@ -70,22 +70,28 @@ def height_map(
     if isinstance(values, xr.DataArray):
         height_unit = height_unit or unit_of(values.attrs)
         values = values.transpose("y", "x") if {*values.dims} == {"y", "x"} else values
-    # a profile is a map of one row
-    heights = np.atleast_2d(np.asarray(values))
+    try:  # a profile is a map of one row
+        heights = np.atleast_2d(np.asarray(values))
+    except ValueError as error:
+        raise HeightMapError(f"values are no map of real numbers (ny, nx): {error}") from error
     if heights.ndim != 2 or not heights.size or heights.dtype.kind not in "fiu":
         raise HeightMapError(
             f"values of shape {heights.shape} and type {heights.dtype} are no map of real numbers (ny, nx)"
         )
     if np.ma.isMaskedArray(values):  # `numpy.asarray` drops the mask
         heights = np.where(np.ma.getmaskarray(values), np.nan, heights)
-    lateral, vertical = (unit_factor(stated_unit or "m", "m") for stated_unit in (unit, height_unit or unit))
-    if lateral is None or vertical is None:
-        raise SettingsError(unknown_unit(unit if lateral is None else height_unit, "m"))
+    # an empty text is no unit, as in a table
+    unit, height_unit = (None if stated == "" else stated for stated in (unit, height_unit))
+    units = {"unit": "m" if unit is None else unit}
+    units["height_unit"] = units["unit"] if height_unit is None else height_unit
+    factors = {name: unit_factor(stated, "m") for name, stated in units.items()}
+    for name in (name for name, factor in factors.items() if factor is None):
+        raise SettingsError(f"{name} = {units[name]!r}: {unknown_unit(units[name], 'm')}", keys=[name])
+    lateral, vertical = (factor or 1.0 for factor in factors.values())
+    steps = pitches(spacing)
     dy, dx = (
         step if carries_unit(stated_step) else step * lateral
-        for stated_step, step in zip(
-            np.broadcast_to(np.asarray(spacing, object), 2), pitches(spacing), strict=True
-        )
+        for stated_step, step in zip(np.broadcast_to(np.asarray(spacing, object), 2), steps, strict=True)
     )
     if not (0 < dy < np.inf and 0 < dx < np.inf):
         raise SettingsError(f"spacing = {spacing!r}: give positive numbers", keys=["spacing"])
@@ -112,8 +118,19 @@ def height_map(
 
 def pitches(spacing: float | str | Sequence[float | str]) -> tuple[float, float]:
     """Return the pitches (dy, dx) of both axes, from one for both or from two; text with a unit in m."""
-    steps = np.broadcast_to(np.asarray(spacing, dtype=object), 2)
-    dy, dx = (float(convert_quantity("m", "spacing", step)) for step in steps)
+    try:
+        steps = np.broadcast_to(np.asarray(spacing, dtype=object), 2)
+        if any(isinstance(step, bool) for step in steps):
+            raise TypeError("a truth value is no length")
+        dy, dx = (float(convert_quantity("m", "spacing", step)) for step in steps)
+    except (TypeError, ValueError) as error:
+        if isinstance(error, SettingsError):
+            raise
+        raise SettingsError(
+            f"spacing = {spacing!r}: give the pitch of the points, a number or text with its unit (1.5 um), "
+            "or both pitches (dy, dx)",
+            keys=["spacing"],
+        ) from error
     return dy, dx
 
 

@@ -48,6 +48,8 @@ def separate_positions(text: str, number: int) -> list[str]:
     >>> separate_positions("; elsewhere", 2), separate_positions("", 2)
     (['', 'elsewhere'], ['', ''])
     """
+    if not isinstance(text, str):
+        raise SettingsError(f"{_COLUMN} = {text!r}: give text, as '300 250 um'", keys=[_COLUMN])
     positions = [part.strip() for part in text.split(";")] if text.strip() else [""] * number
     if len(positions) != number:
         raise SettingsError(

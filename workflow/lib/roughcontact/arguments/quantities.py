@@ -4,6 +4,8 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from roughcontact.errors import SettingsError
+
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _ROUNDING = 1e-12
 _MAX_ASYMMETRY = 0.1  # largest relative difference of the two half-widths that are written as ±
@@ -256,7 +258,11 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
     >>> with_interval(7.33, 0.029, 18.6), with_interval(7.33, 0.0, 18.6)
     ('7.3 (0.029 to 19)', '7.3 −7.3 +11')
     """
-    value, lower, upper = map(float, (value, lower, upper))
+    try:
+        value, lower, upper, finest = map(float, (value, lower, upper, finest))
+    except (TypeError, ValueError) as error:
+        stated = f"value = {value!r}, lower = {lower!r}, upper = {upper!r}, finest = {finest!r}"
+        raise SettingsError(f"{stated}: give numbers, NaN for what is not known ({error})") from error
     if math.isnan(value):
         half = max((upper - lower) / 2, finest)  # without a value: both ends
         return _range_in_words(*(_end(bound, half, 3) for bound in (lower, upper)))

@@ -4,7 +4,7 @@ What carries no unit is in SI already.
 """
 
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import wraps
 from inspect import signature
@@ -96,14 +96,17 @@ def as_declared(
     return cast("_Function", converted)
 
 
+_NUMBERS = (Sequence[float], tuple[float, float])
 # kind that an argument may declare -> what to give
 _KINDS = {bool: "True or False", int: "a whole number", float: "a number", Mapping: "a mapping"}
+_KINDS |= dict.fromkeys(_NUMBERS, "a list of numbers")
 
 
 def _kind(annotation: Any) -> tuple[Any, bool]:
     """Return the only one of `_KINDS` that an annotation names, else None, and whether it admits None."""
     is_union = isinstance(annotation, UnionType) or get_origin(annotation) is Union
-    kinds = {get_origin(kind) or kind for kind in (get_args(annotation) if is_union else [annotation])}
+    named = get_args(annotation) if is_union else [annotation]
+    kinds = {kind if kind in _NUMBERS else get_origin(kind) or kind for kind in named}
     others = kinds - {type(None)}
     return next(iter(others)) if len(others) == 1 and others <= {*_KINDS} else None, others < kinds
 
@@ -112,12 +115,17 @@ def _of_kind(name: str, value: Any, kind: Any) -> Any:
     """Return a value of one of `_KINDS`, or raise SettingsError; a number may be text or of any library."""
     if kind in (bool, Mapping):
         fits = isinstance(value, (bool, np.bool_) if kind is bool else Mapping)
+    elif kind in _NUMBERS:
+        value = listed(value)
+        array = np.asarray(value, object)
+        fits = array.ndim == 1 and all(getattr(np.asarray(item).dtype, "kind", "") in "fiu" for item in array)
     else:
         with suppress(ValueError):
             value = float(value) if isinstance(value, str) else value
         # a truth value is no number, and neither are several
         fits = np.ndim(value) == 0 and getattr(np.asarray(value).dtype, "kind", "") in "fiu"
-        fits = bool(fits and (np.isfinite(value) if kind is int else not np.isnan(value)))
+        fits = bool(fits and (float(value).is_integer() if kind is int else not np.isnan(value)))
+        value = int(value) if fits and kind is int else value
     if not fits:
         raise SettingsError(f"{name} = {value!r}: give {_KINDS[kind]}", keys=[name])
     return value

@@ -143,7 +143,10 @@ def evaluate(
     height = with_lay(height, lay, along)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
-        fields = [overview] if isinstance(overview, str | PathLike | xr.DataArray) else overview or ()
+        if isinstance(overview, Sequence) and not isinstance(overview, str):
+            fields = [*overview]
+        else:
+            fields = [] if overview is None else [overview]
         overviews = with_positions(fields, overview_position)
         result = run_chain(height, full, threads=threads, progress=progress, overviews=overviews)
     warn_of_map(result.window.shape, float(result.statistics["rms_gradient"]), stacklevel=3)

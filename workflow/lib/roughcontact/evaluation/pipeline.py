@@ -4,6 +4,7 @@ Workflow, `roughcontact solve` and `roughcontact.evaluate` all use it, so that t
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,11 +16,12 @@ from roughcontact.arguments.positions import separate_positions
 from roughcontact.arguments.settings.stages import stage_settings
 from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import solve_contact
+from roughcontact.errors import SettingsError
 from roughcontact.evaluation.creep import with_creep
 from roughcontact.evaluation.kinds import kind_of
 from roughcontact.evaluation.kinds.periodic_map import STATED_LOADS, SolvedMap
 from roughcontact.evaluation.requirement import with_largest_roughness
-from roughcontact.io.read import read_height_map
+from roughcontact.io.read import read_overview
 from roughcontact.results.storage import provenance, written_load_by_load
 from roughcontact.statistics.allowed import with_allowed
 from roughcontact.statistics.checks import add_verdicts
@@ -39,6 +41,8 @@ _OF_WINDOW = (  # what a group of maps has in common, how rows were aligned, whe
     *("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles"),
     *("line_alignment", "summit_x", "summit_y"),
 )
+
+_TOLERANCE_OF_ROUGHNESS = 1e-3  # in single precision
 
 Progress = Callable[[int, int | None, str], None]
 StatisticsFunction = Callable[[xr.Dataset], xr.Dataset]
@@ -108,8 +112,12 @@ def with_positions(
     overviews: Sequence[str | Path | xr.DataArray], text: str
 ) -> list[tuple[xr.DataArray, str]]:
     """Return overviews, read where they are files, each with the position that is stated for it."""
+    for field in overviews:
+        if not isinstance(field, str | PathLike | xr.DataArray):
+            text = f"overview = {field!r}: give the path of a coarser map, a map, or a list of them"
+            raise SettingsError(text, keys=["overview"])
     positions = separate_positions(text, len(overviews))
-    maps = [field if isinstance(field, xr.DataArray) else read_height_map(field) for field in overviews]
+    maps = [field if isinstance(field, xr.DataArray) else read_overview(field) for field in overviews]
     return [*zip(maps, positions, strict=True)]
 
 
@@ -188,9 +196,10 @@ def complete_statistics(
         """Return the statistics of the window with heights that are larger by a factor."""
         # no ± of its own: a search calls this many times
         plain = {**settings, "statistics": of_requirement, "uncertainty": {"sources": []}}
-        return solve_and_evaluate(
-            window.copy(data=window.values * factor), plain, {**solver, kind.facts.load: [load]}
-        ).statistics
+        options = {**solver, kind.facts.load: [load]}
+        if solver.get("precision") == "single":  # whose rounding grows with the roughness
+            options["tolerance"] = max(solver["tolerance"], _TOLERANCE_OF_ROUGHNESS)
+        return solve_and_evaluate(window.copy(data=window.values * factor), plain, options).statistics
 
     yielding = add_first_yield(statistics, window, settings["contact"], threads=solver["threads"])
     complete = add_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])

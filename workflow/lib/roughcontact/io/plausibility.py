@@ -14,6 +14,7 @@ _MAX_PIXEL_RATIO = 4.04  # ratio of the steps above which a slip is more likely 
 _FLATTEST = 1e-8  # rms gradient below that of polished optics
 _PLATEAU = 0.005  # share of the points at one height
 _FEW_LEVELS = 64
+_SINGLE = (5e-8, 1.3e-7)  # smallest and largest step of single precision over the number
 _CENTRAL_QUANTILES = (0.005, 0.995)  # quantiles that enclose nearly all heights
 
 _MARKER_ADVICE = "missing_value states it"
@@ -83,9 +84,12 @@ def quantisation_step(height: np.ndarray) -> float | None:
     """
     sample = _sample(height.reshape(-1))  # large maps leave no room for a copy
     levels = np.unique(sample[np.isfinite(sample)])
+    largest, gaps = np.abs(levels).max(initial=0.0), np.diff(levels)
+    # far from zero, single precision itself rounds to steps
+    if gaps.size > 1 and max(_SINGLE[0] * largest, 1e-3 * levels.std()) < gaps.min() < _SINGLE[1] * largest:
+        return float(gaps.min())
     # levels that single precision cannot distinguish are one level
-    rounding = 4e-7 * np.abs(levels).max(initial=0.0)
-    gaps = np.diff(levels)
+    rounding = 4e-7 * largest
     gaps = gaps[gaps > rounding]
     if gaps.size < 2:
         return None

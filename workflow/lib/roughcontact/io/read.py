@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -129,6 +129,20 @@ def read_height_map(
         **request.attributes(),
         **Instrument(**{key: float(value) for key, value in (instrument or {}).items()}).attributes(),
     )
+
+
+def read_overview(path: str | Path, **arguments: Any) -> "xr.DataArray":
+    """Read a coarser map around another one, as `read_height_map`; its file has to say its size."""
+    try:
+        return read_height_map(path, **arguments)
+    except InputFileError as error:
+        if not {"dx", "dy"} & {*error.keys}:
+            raise
+        finding, _, _ = str(error).partition("; give ")
+        raise InputFileError(
+            f"{finding}; the size of an overview is stated in its file: write lines before the heights, "
+            "# Width: 300 um, # Height: 200 um, # Value units: um, or save it in a format that has them"
+        ) from error
 
 
 def _read(path: Path, request: Request) -> "xr.DataArray":

@@ -247,7 +247,11 @@ class Plan:
         if rule.startswith("prepare"):
             row = self.measured[surface]
             files_along = [
-                *(entry for key in ("repeats", "along", "place") for entry in row.read_arguments.get(key, ())),
+                *(
+                    entry
+                    for key in ("repeats", "along", "place")
+                    for entry in row.read_arguments.get(key, ())
+                ),
                 *self.with_overview.get(surface, ()),
             ]
             return [*dict.fromkeys([str(row.path), *(entry["path"] for entry in files_along)])]

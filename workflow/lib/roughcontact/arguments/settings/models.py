@@ -229,7 +229,8 @@ class Section(BaseModel):
         for name, text in _texts_below_fields().get(cls.__name__, {}).items():
             field = cls.model_fields[name]
             base = setting_base(field)
-            field.description = " ".join(text.split()) + (f"; in {printed(base)}" if base else "")
+            unit_text = f"; a number alone is in {printed(base)}" if base else ""
+            field.description = " ".join(text.split()) + unit_text
 
     @model_validator(mode="before")
     @classmethod

@@ -134,7 +134,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         starmap(_mistake, _settings_of_other_kinds(settings)),
         _mistakes_in_loads(contact, where),
         _mistakes_in_statistics(settings),
-        _mistakes_in_relaxation(contact["bodies"], where),
+        _mistakes_in_relaxation(contact["bodies"] or (), stated_bodies or (), where),
         _mistakes_in_creep(contact, where),
         _mistakes_in_wear(settings["wear"], contact),
         _mistakes_in_sliding(settings["sliding"], contact),
@@ -206,11 +206,11 @@ def _mistakes_in_statistics(settings: Mapping[str, Any]) -> Iterator[SettingsErr
 
 
 def _mistakes_in_relaxation(
-    bodies: Sequence[Mapping[str, Any]] | None, where: str
+    bodies: Sequence[Mapping[str, Any]], as_stated: Sequence[Any], where: str
 ) -> Iterator[SettingsError]:
-    """Yield what is wrong with the relaxation of a body, of which a stated modulus needs nothing."""
-    for body in bodies or ():
-        if body["relaxation"]:
+    """Yield what is wrong with the relaxation of a body with a modulus: without, it was read for that."""
+    for body, statement in zip(bodies, as_stated, strict=True):
+        if body["relaxation"] and statement.get("youngs_modulus") is not None:
             from roughcontact.arguments.relaxation import relaxation_of  # with all that reads tables
 
             try:
@@ -224,9 +224,8 @@ def _mistakes_in_creep(contact: Mapping[str, Any], where: str) -> Iterator[Setti
     bodies = contact["bodies"] or ()
     creeping = [body for body in bodies if body["creep_modulus"]]
     if (creeping or contact["time"]) and properties_of_bodies(bodies):
-        yield _mistake(
-            f"{where}.bodies", ": layers creep otherwise than a body; leave the times of creep out"
-        )
+        key = "creep_modulus" if creeping else "time"
+        yield _mistake(f"{where}.bodies", f": layers creep otherwise than a body; leave {key} out")
     if contact["time"] and creeping:
         yield _mistake(f"{where}.time", ": is of a relaxation; a creep_modulus has its own times")
     elif contact["time"] and not any(body["relaxation"] for body in bodies):

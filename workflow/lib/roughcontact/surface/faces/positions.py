@@ -64,6 +64,8 @@ def relative_positions(
     {'shift': (3.0, -7.0), 'rotation': 0.0}
     {'shift': (-9.0, -15.0), 'rotation': 0.0}
     """
+    if seed < 0:
+        raise SettingsError(f"composite.seed = {seed!r}: give a whole number of 0 or more")
     if shifts < 1 or not len(rotations):
         raise SettingsError(
             f"composite.shifts = {shifts!r}, composite.rotations = {rotations!r}: give at least one of each"

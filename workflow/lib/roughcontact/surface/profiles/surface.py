@@ -199,6 +199,9 @@ def with_lay(height: xr.DataArray, lay: str | None, along: Profiles) -> xr.DataA
     if lay is not None:
         check_lay(lay)
         height = height.assign_attrs(lay=lay)
+    if isinstance(along, str) or not isinstance(along, Sequence | xr.DataArray):
+        text = f"along is of type {type(along).__name__}: give a profile along the lay, or a list of them"
+        raise SettingsError(text, keys=["along"])
     takes_along = lay_facts({"lay": lay}).takes_profiles_along
     if len(along) and not takes_along:
         raise SettingsError(
