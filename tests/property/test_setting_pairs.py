@@ -1,54 +1,80 @@
 """Laws that hold whatever settings meet: each pair of settings that change a number is in one of the cases.
 
-Each setting was tested by itself; here it meets every other one that `resolve` admits beside it. The laws:
-another system of units gives the same numbers, a transposed map the transposed ones; a setting that is stated
-so that it does nothing changes nothing, whatever else is stated; and intervals stay within what is possible.
+The settings are those of the models, nested ones as well. Each was tested by itself; here it meets every
+other one that `resolve` admits beside it. The laws: another system of units gives the same numbers, a
+transposed map the transposed ones; a setting that is stated so that it does nothing changes nothing, whatever
+else is stated; and intervals stay within what is possible. The first cases meet most pairs, the slow ones
+those of settings that exclude one another: five ways of stating a load, four of what bodies are made of.
 """
 
 import itertools
 import re
+import tempfile
 import warnings
-from typing import NamedTuple
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple, get_args
 
 import numpy as np
 import pytest
+import xarray as xr
 from known_surfaces import self_affine
 from test_laws import LAWS, NO_NUMBER, OF_THE_SOLVER, Law, kind_of, same, swapped
 
+import roughcontact as rc
 from roughcontact import SettingsError, height_map
 from roughcontact.arguments.answers import ALLOWED_VALUES
-from roughcontact.arguments.settings.models import Settings
+from roughcontact.arguments.relaxation import KEYS as RELAXATION_KEYS
+from roughcontact.arguments.relaxation import relaxation_of
+from roughcontact.arguments.settings.models import Section, Settings
 from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.arguments.variables import VARIABLES
 from roughcontact.evaluation.pipeline import run_chain
 from roughcontact.evaluation.running_in import worn_in_a_run
 from roughcontact.evaluation.sliding import slid_in_a_run
+from roughcontact.statistics.after_load import evaluate_unloading
+from roughcontact.surface.preparation.periodic_map import MapPreparation
 
 PITCH, SHAPE = (1.5e-6, 1e-6), (30, 33)
 LENGTHS, MODULI = 2.0**-2, 2.0**3  # units of the second system, whose rounding is the same
+FILES = Path(tempfile.mkdtemp())
 
 
 class Setting(NamedTuple):
     """A value of a setting, how it scales with lengths and moduli, and a value with which it does nothing.
 
-    One that `adds` brings numbers of its own, and changes no other one.
+    One that `adds` brings numbers of its own, and changes no other one. It is stated with those that it
+    `needs`.
     """
 
     value: object
     scale: tuple[int, int] = (0, 0)
     neutral: object = None
     adds: bool = False
+    needs: tuple[str, ...] = ()
 
 
-LENGTH, PRESSURE, FORCE, ENERGY = (1, 0), (0, 1), (2, 1), (1, 1)
-MATERIAL = {"youngs_modulus": 2.0**31, "poissons_ratio": 0.25}
-CONDUCTOR = {"thermal_conductivity": 20.0, "electrical_resistivity": 1e-7}
-FILM = MATERIAL | CONDUCTOR | {"thickness": 4e-6}
+LENGTH, AREA_SCALE, PRESSURE, FORCE, ENERGY = (1, 0), (2, 0), (0, 1), (2, 1), (1, 1)
 AREA, LOAD, FORCE_ON_BODY = 2.0**-18, 4e6, 4e-4
 RUBBER = {"long_time_modulus": 2.0**29, "moduli": [2.0**31], "times": [1e-4]}
-# the name of a setting, and of a group of those that belong together after a colon
+BODIES, LAYERS, SERIES = "contact.bodies", "contact.bodies.layers", "contact.bodies.relaxation:series"
+FREE, SCALE = "contact:free", ":local scale"
+SEAL, JOINT, FRICTION = "statistics.seal:flow", "statistics.joint:area", "statistics.friction:slip"
+CONDUCTS, RESISTS = "contact.bodies.thermal_conductivity", "contact.bodies.electrical_resistivity"
+WEAR, SLIDING, FORM, LENS = "wear:worn", "sliding.speed", "level.form", "instrument.numerical_aperture"
+# of one or more keys, which stand after a colon where there are several, or the same with other ones
 SETTINGS = {
-    "level.form": Setting("polynomial"),
-    "level.order": Setting(3),
+    "contact.tolerance": Setting(1e-7),
+    BODIES: Setting({"youngs_modulus": 2.0**31, "poissons_ratio": 0.25}),
+    "contact.contact_modulus": Setting(2.0**30, PRESSURE),
+    "contact.mean_pressure": Setting([LOAD], PRESSURE),
+    "contact.relative_pressure": Setting([0.05]),
+    "contact:area": Setting({"force": [LOAD * AREA], "area": AREA}),
+    FREE: Setting({"boundary": "free", "force": [FORCE_ON_BODY]}),
+    SCALE: Setting({"form": {"radius": [2e-3], "local_scale": True}, "contact": {"force": [FORCE_ON_BODY]}}),
+    FORM: Setting("polynomial"),
+    "level.order": Setting(3, needs=(FORM,)),
     "level.robust": Setting(True),
     "level.outlier_threshold": Setting(5.0),
     "level.line_alignment": Setting("median"),
@@ -56,89 +82,151 @@ SETTINGS = {
     "level.s_filter": Setting(4e-6, LENGTH),
     "level.l_filter": Setting(25e-6, LENGTH),
     "level.fill": Setting("none"),
+    "composite": Setting({"shifts": 2, "rotations": [90.0], "overlap": 0.9, "seed": 1}),
     "window.placement": Setting("whole-periods"),
     "window.method": Setting("mirror"),
     "window.width": Setting(0.2),
     "window.shortest_wavelength": Setting(5e-6, LENGTH),
     "window.longest_wavelength": Setting(30e-6, LENGTH),
     "window.reliable_band": Setting(True),
-    "contact.layers": Setting({"youngs_modulus": 2.0**32}, neutral={}),
+    LAYERS: Setting({"youngs_modulus": 2.0**32, "poissons_ratio": 0.25, "thickness": 4e-6}, needs=(BODIES,)),
+    "contact.bodies.base": Setting("rigid", needs=(LAYERS,)),
+    "contact.bodies.layers.yield_stress": Setting(4e7, PRESSURE, adds=True, needs=(LAYERS,)),
+    **{
+        f"contact.bodies.layers.{name}_uncertainty": Setting(share, neutral=1e-13, needs=(LAYERS, *needs))
+        for name, share, needs in (
+            ("youngs_modulus", 0.2, ()),
+            ("thermal_conductivity", [0.1, 0.2], (CONDUCTS,)),
+            ("electrical_resistivity", 0.1, (RESISTS,)),
+        )
+    },
     "contact.hardness": Setting(6e7, PRESSURE, 2e10),
-    "contact.hardness_uncertainty": Setting([0.1, 0.2], neutral=1e-13),
+    "contact.hardness_uncertainty": Setting([0.1, 0.2], neutral=1e-13, needs=("contact.hardness",)),
+    "contact.bodies.hardness": Setting(7e7, PRESSURE, 2e10, needs=(BODIES,)),
+    "contact.bodies.hardness_uncertainty": Setting(0.2, neutral=1e-13, needs=("contact.bodies.hardness",)),
+    "contact.unload": Setting(True, adds=True),
     "contact.influence": Setting("elements"),
     "contact.zero_frequency": Setting("nogi-kato"),
     "contact.contact_modulus_uncertainty": Setting(0.05, neutral=1e-13),
     "contact.mean_pressure_uncertainty": Setting(0.02, neutral=1e-13),
-    "contact.area": Setting(AREA, (2, 0), AREA),  # and a force instead of the pressure
     "contact.target_area": Setting([0.12], adds=True),
     "contact.target_gap": Setting([1.2e-7], LENGTH, adds=True),
-    "contact.time": Setting([1e-4]),  # and a relaxation
+    "contact.target": Setting(["percolation"], adds=True),
     "contact.precision": Setting("single", neutral="double"),
-    "bodies.creep_modulus": Setting({"3600": 2.0**30}, PRESSURE, adds=True),
-    "bodies.youngs_modulus_uncertainty": Setting([0.1, 0.2], neutral=1e-13),
-    "bodies.yield_stress": Setting(4e7, PRESSURE, adds=True),
-    "bodies.thermal_conductivity_uncertainty": Setting(0.1, neutral=1e-13),
-    "bodies.electrical_resistivity_uncertainty": Setting([0.1, 0.2], neutral=1e-13),
-    "form.radius": Setting([2e-3, 3e-3], LENGTH),
-    "form.edges": Setting(True),
-    "form.local_scale": Setting(True),
-    "contact.boundary": Setting("free"),
+    "contact.bodies.creep_modulus": Setting({"3600": 2.0**30}, PRESSURE, adds=True, needs=(BODIES,)),
+    SERIES: Setting(RUBBER, needs=(BODIES,)),
+    "contact.bodies.relaxation:temperature": Setting(
+        {"wlf": [17.4, 51.6], "reference_temperature": "20 °C", "temperature": "25 °C"}
+    ),
+    "contact.bodies.relaxation.table": Setting("table of a DMA", needs=(BODIES,)),
+    "contact.time": Setting([1e-4]),
+    "contact.bodies.youngs_modulus_uncertainty": Setting([0.1, 0.2], neutral=1e-13, needs=(BODIES,)),
+    "contact.bodies.yield_stress": Setting(4e7, PRESSURE, adds=True, needs=(BODIES,)),
+    CONDUCTS: Setting(20.0, adds=True, needs=(BODIES,)),
+    RESISTS: Setting(1e-7, adds=True, needs=(BODIES,)),
+    f"{CONDUCTS}_uncertainty": Setting(0.1, neutral=1e-13, needs=(CONDUCTS,)),
+    f"{RESISTS}_uncertainty": Setting([0.1, 0.2], neutral=1e-13, needs=(RESISTS,)),
+    "form.radius": Setting([2e-3, 3e-3], LENGTH, needs=(FREE,)),
+    "form.edges": Setting(True, needs=(FREE,)),
     "statistics.pressure_bins": Setting(7),
     "statistics.gap_bins": Setting(9),
     "statistics.flow": Setting("always", adds=True),
     "statistics.stress": Setting("always", adds=True),
     "statistics.work_of_adhesion": Setting(0.05, ENERGY, adds=True),
     "statistics.allowed_pressure": Setting(9e7, PRESSURE, adds=True),
-    "statistics.seal": Setting({"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}, adds=True),
-    "statistics.seal:whole": Setting({"perimeter": 0.1, "allowed_leak": 1e-12}, adds=True),
-    "statistics.seal:gas": Setting({"outlet_pressure": 1e5, "mean_free_path": 7e-8}),
-    "statistics.joint": Setting({"gas_conductivity": 0.026, "temperature_jump": 3.7e-7}, adds=True),
-    "statistics.joint:film": Setting({"film_thickness": 5e-9, "film_conductivity": 2.0}),
-    "statistics.joint:whole": Setting({"area": AREA, "heat_flow": 1.0}, adds=True),
-    "statistics.joint:allowed": Setting(
-        {"allowed_resistance": 1e-3, "allowed_temperature_drop": 2.0}, adds=True
+    SEAL: Setting({"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}, adds=True),
+    "statistics.seal.perimeter": Setting(0.1, LENGTH, adds=True, needs=(SEAL,)),
+    "statistics.seal.allowed_leak": Setting(1e-12, (3, 1), adds=True, needs=("statistics.seal.perimeter",)),
+    "statistics.seal.outlet_pressure": Setting(1e5, PRESSURE, adds=True, needs=(SEAL,)),
+    "statistics.seal.mean_free_path": Setting(
+        7e-8, LENGTH, adds=True, needs=("statistics.seal.outlet_pressure",)
     ),
-    "statistics.friction": Setting({"coefficient": 1, "tangential_load": [0.4]}, adds=True),
-    "statistics.friction:area": Setting(
-        {"shear_strength": 5e6, "shear_strength_uncertainty": [0.1, 0.2]}, adds=True
+    "statistics.joint:gas": Setting(
+        {"gas_conductivity": 0.026, "temperature_jump": 3.7e-7}, adds=True, needs=(CONDUCTS,)
     ),
-    "statistics.friction:heat": Setting({"speed": 1, "thermal_diffusivity": 1e-5}, adds=True),
-    "wear": Setting({"coefficient": 1e-14, "distance": [0.02], "mean_pressure": LOAD}, adds=True),
-    "sliding": Setting({"speed": [0.1], "direction": 30, "mean_pressure": LOAD}, adds=True),
+    "statistics.joint:film": Setting(
+        {"film_thickness": 5e-9, "film_conductivity": 2.0}, adds=True, needs=(CONDUCTS,)
+    ),
+    JOINT: Setting({"area": AREA}, adds=True, needs=(CONDUCTS,)),
+    "statistics.joint.heat_flow": Setting(1.0, adds=True, needs=(JOINT,)),
+    "statistics.joint.allowed_resistance": Setting(1e-3, (-1, 0), adds=True, needs=(JOINT, RESISTS)),
+    "statistics.joint.allowed_temperature_drop": Setting(
+        2.0, (-1, 0), adds=True, needs=("statistics.joint.heat_flow",)
+    ),
+    # far from what is: roughness is searched for by solutions, as test_second_ways does for each of these
+    "statistics.requirement:contact": Setting({"gap": 1e-3, "contact_area": 1e-9}, adds=True),
+    "statistics.requirement:pressure": Setting({"pressure": 1e10}, PRESSURE, adds=True),
+    "statistics.requirement:heat": Setting({"thermal_resistance": 0.1}, LENGTH, adds=True, needs=(CONDUCTS,)),
+    "statistics.requirement:current": Setting(
+        {"contact_resistance": 1e-4}, LENGTH, adds=True, needs=(RESISTS,)
+    ),
+    "statistics.requirement:leak": Setting(
+        {"leak": 1e-3}, (3, 1), adds=True, needs=("statistics.seal.perimeter",)
+    ),
+    "statistics.requirement:joint": Setting(
+        {"resistance": 1e3, "temperature_drop": 1e3},
+        (-1, 0),
+        adds=True,
+        needs=("statistics.joint.heat_flow", RESISTS),
+    ),
+    FRICTION: Setting({"coefficient": 1, "tangential_load": [0.4]}, adds=True),
+    "statistics.friction.shear_strength": Setting(5e6, PRESSURE, adds=True),
+    "statistics.friction.shear_strength_uncertainty": Setting(
+        [0.1, 0.2], adds=True, needs=("statistics.friction.shear_strength",)
+    ),
+    "statistics.friction.speed": Setting(
+        1, adds=True, needs=("statistics.friction.shear_strength", CONDUCTS)
+    ),
+    "statistics.friction.thermal_diffusivity": Setting(
+        1e-5, LENGTH, adds=True, needs=("statistics.friction.speed",)
+    ),
+    WEAR: Setting({"coefficient": 1e-14, "distance": [0.02]}, adds=True),
+    "wear.coefficient_factor": Setting(3, adds=True, needs=(WEAR,)),
+    "wear.mean_pressure": Setting(3e6, PRESSURE, adds=True, needs=(WEAR,)),
+    SLIDING: Setting([0.1], LENGTH, adds=True),
+    "sliding.direction": Setting(30, adds=True, needs=(SLIDING,)),
+    "sliding.mean_pressure": Setting(LOAD, PRESSURE, adds=True, needs=(SLIDING,)),
     "uncertainty.windows": Setting(4),
+    "uncertainty.sources": Setting(["solver", "discretisation", "window", "material", "instrument"]),
     "instrument.noise": Setting(4e-9, LENGTH, 1e-12),
     "instrument.resolution": Setting(3.5e-6, LENGTH),
-    "instrument.numerical_aperture": Setting(0.2),
-    "instrument.wavelength": Setting(6e-7, LENGTH),
+    LENS: Setting(0.2),
+    "instrument.wavelength": Setting(6e-7, LENGTH, needs=(LENS,)),
     "instrument.tip_radius": Setting(2e-6, LENGTH, 1e-12),
     "instrument.amplification_z": Setting(0.02, neutral=1e-13),
     "instrument.amplification_xy": Setting(0.01, neutral=1e-13),
-    "instrument.correct": Setting(True),
-    "overview": Setting(True),
+    "instrument.finer_spectrum": Setting("a finer map"),
+    "instrument.correct": Setting(True, needs=("instrument.resolution",)),
+    "overview": Setting(True),  # a column of the table
 }
-ELSEWHERE = {
-    "of every case": ["contact.contact_modulus", "contact.bodies", "contact.mean_pressure", "contact.force"],
-    "of every case as well": ["contact.tolerance", "uncertainty.sources"],
-    "no number": ["level.max_missing", "window.min_share", "contact.keep_fields", "contact.on_failure"],
-    "test_second_ways.py": ["contact.unload", "contact.relative_pressure", "statistics.requirement"],
-    "test_second_ways.py as well": ["contact.target"],
-    "test_faces.py": ["composite.shifts", "composite.rotations", "composite.overlap", "composite.seed"],
-    "test_uncertainty_instrument.py": ["instrument.finer_spectrum"],
+RELAXATIONS, TEMPERATURE = (
+    (SERIES, "contact.bodies.relaxation.table"),
+    "contact.bodies.relaxation:temperature",
+)
+STATED_LOADS = ("contact.mean_pressure", "contact.relative_pressure", "contact:area", FREE, SCALE)
+# those that need one of some others, which is the first where none is stated
+ONE_OF = {
+    "contact.tolerance": (BODIES, "contact.contact_modulus"),
+    **dict.fromkeys([BODIES, "contact.contact_modulus"], STATED_LOADS),
+    **dict.fromkeys(["contact.time", SLIDING, TEMPERATURE], RELAXATIONS),
+    "contact.unload": ("contact.hardness", "contact.bodies.hardness"),
 }
-NEEDS = {
-    "level.order": ["level.form"],
-    "contact.hardness_uncertainty": ["contact.hardness"],
-    "form.radius": ["contact.boundary"],
-    "form.edges": ["contact.boundary"],
-    "statistics.seal:whole": ["statistics.seal"],
-    "statistics.seal:gas": ["statistics.seal"],
-    "statistics.joint:film": ["statistics.joint"],
-    "statistics.joint:allowed": ["statistics.joint:whole"],
-    "statistics.friction:heat": ["statistics.friction:area"],
-    "instrument.wavelength": ["instrument.numerical_aperture"],
-    "instrument.correct": ["instrument.resolution"],
-    "sliding": ["contact.time"],  # the relaxation
+# which have no number: what they are about has its own tests
+WITHOUT_NUMBER = {
+    **dict.fromkeys(["contact.bodies.name", "contact.bodies.layers.name", "report.title"], "of the page"),
+    **dict.fromkeys(["level.max_missing", "window.min_share"], "refuse a map"),
+    "surfaces": "path of the table",
+    "cases": "settings as these",
+    "contact.on_failure": "of a load that is not solved",
+    "contact.keep_fields": "what is written",
 }
+OF_FIRST_BODY = (*RELAXATIONS, TEMPERATURE, "contact.bodies.base")
+OF_ALL_MATERIALS = (CONDUCTS, RESISTS)
+# pairs that are refused where the map is known, later than by `resolve`
+APART = [
+    {"overview", FREE},
+    *({"composite", name} for name in ("overview", WEAR, SLIDING, "instrument.correct")),
+]
 # what of settings of several numbers has a unit
 WITHIN = {
     **dict.fromkeys(["temperature_jump", "width", "thickness", "radius", "perimeter", "gap"], LENGTH),
@@ -169,7 +257,7 @@ FURTHER_LAWS = {
     "temperature_drop": Law(0, -1, 0),
     **dict.fromkeys([f"{name}_holds_from" for name in ALLOWED_VALUES], Law(0, 0, 1)),
     **dict.fromkeys([f"{name}_holds" for name in ALLOWED_VALUES], Law(0, 0, 0)),
-    "gap_largest_Sq": Law(0, 1, 0),
+    **dict.fromkeys([name for name in VARIABLES if name.endswith("_largest_Sq")], Law(0, 1, 0)),
     "stick_share": Law(0, 0, 0),
     **dict.fromkeys(["friction_coefficient", "adhesive_friction_coefficient"], Law(0, 0, 0)),
     **dict.fromkeys(["hysteretic_friction_coefficient", "persson_friction_coefficient"], Law(0, 0, 0)),
@@ -182,7 +270,7 @@ FURTHER_LAWS = {
 
 
 def rough(by, periods=1):
-    """Return a periodic surface at every so many halves of the pitch, laid beside itself."""
+    """Return a periodic surface at every so many quarters of the pitch, laid beside itself."""
     fine = self_affine(
         [2 * points for points in SHAPE],
         [step / 2 for step in PITCH],
@@ -216,6 +304,32 @@ def field_around(transposed=False, unit=1.0):
     return field, f"{1e6 * x!r} {1e6 * y!r} um"
 
 
+def pair_of_faces(settings, unit=1.0):
+    """Return the heights of a face and a finer counter-face of it, levelled each by itself."""
+    faces = [measured(unit=unit), as_map(rough(1)[:36, :40], 0.5, False, unit)]
+    faces = [rc.level(face, **settings["level"]) for face in faces]
+    return rc.composite(*faces, **rc.relative_positions(*faces, **settings["composite"])[-1])
+
+
+@cache
+def finer_map(transposed=False, unit=1.0):
+    """Return the file of a finer map of the same finish."""
+    path = FILES / f"finer {transposed} {unit}.nc"
+    as_map(rough(1), 0.5, transposed, unit).rename("height").to_netcdf(path)
+    return str(path)
+
+
+@cache
+def table_of_rubber(modulus):
+    """Return the file of the storage and loss moduli of `RUBBER`, in units of moduli."""
+    frequency = np.geomspace(1, 1e6, 30)
+    young = 0.75 * relaxation_of(RUBBER).contact_modulus(2 * np.pi * frequency) * modulus
+    path = FILES / f"rubber {modulus}.csv"
+    rows = [f"{f!r},{e.real!r},{e.imag!r}" for f, e in zip(frequency.tolist(), young.tolist(), strict=True)]
+    path.write_text("\n".join(["frequency,storage_modulus,loss_modulus", *rows]), encoding="utf-8")
+    return str(path)
+
+
 def in_units(value, units, scale=(0, 0)):
     """Return a value, or those within it, in another system of units (length, modulus)."""
     if isinstance(value, dict):
@@ -225,112 +339,191 @@ def in_units(value, units, scale=(0, 0)):
     return value * units[0] ** scale[0] * units[1] ** scale[1] if isinstance(value, float) else value
 
 
+def put(group, path, value):
+    """Put a value, or those within it, at a path of keys."""
+    if isinstance(value, Mapping):
+        for key, entry in value.items():
+            put(group, [*path, key], entry)
+        return
+    for key in path[:-1]:
+        group = group.setdefault(key, {})
+    group[path[-1]] = value
+
+
+def complete(names):
+    """Return names of settings with those without which they say nothing."""
+    chosen, before = {"contact.tolerance", *names}, set()
+    while chosen != before:
+        before = {*chosen}
+        chosen |= {need for name in before for need in SETTINGS[name].needs}
+        chosen |= {ONE_OF[name][0] for name in before if name in ONE_OF and not chosen & {*ONE_OF[name]}}
+    return tuple(name for name in SETTINGS if name in chosen)
+
+
 def sections(names, *, units=(1.0, 1.0), neutral=()):
     """Return the sections of the settings for some of `SETTINGS`, in a system of units."""
-    bodies, chosen = [MATERIAL | CONDUCTOR] * 2, {"contact": {"tolerance": 1e-7}}
-    if by_force := {"contact.boundary", "form.local_scale"} & {*names}:
-        chosen["form"] = {"radius": [in_units(2e-3, units, LENGTH)]}
-    if by_force or "contact.area" in names:
-        chosen["contact"]["force"] = [in_units(FORCE_ON_BODY if by_force else LOAD * AREA, units, FORCE)]
-    else:
-        chosen["contact"]["mean_pressure"] = [in_units(LOAD, units, PRESSURE)]
-    if "contact.time" in names:
-        bodies = [
-            body | {"youngs_modulus": modulus}
-            for body, modulus in zip(bodies, (2.0**29, 2.0**37), strict=True)
-        ]
-        bodies[0]["relaxation"] = RUBBER
-    if "contact.precision" in {*names} - {*neutral}:
-        chosen["contact"]["tolerance"] = 1e-4
-    bodies = in_units(bodies, units)
-    for name in names:
-        setting, (section, _, key) = SETTINGS[name], name.partition(":")[0].partition(".")
+    chosen, body, counter_body, layer = {}, {}, {}, {}
+    for name in complete(names):
+        setting, path = SETTINGS[name], [key for key in name.partition(":")[0].split(".") if key]
         value = in_units(setting.neutral if name in neutral else setting.value, units, setting.scale)
-        if key == "layers":
-            bodies[0] = bodies[0] | {"layers": [in_units(FILM, units) | value]}
-        elif section == "bodies":
-            bodies = [body | {key: value} for body in bodies]
-        elif isinstance(value, dict):
-            group = chosen.setdefault(section, {})
-            group |= {key: group.get(key, {}) | value} if key else value
-        elif section != "overview":
-            chosen.setdefault(section, {})[key] = value
-    chosen["contact"]["bodies"] = bodies
+        if path[:2] != ["contact", "bodies"]:
+            put(chosen, path, value)
+        elif path[2:3] == ["layers"]:
+            put(layer, path[3:], value)
+        else:
+            put(body, path[2:], value)
+            if name not in OF_FIRST_BODY:
+                put(counter_body, path[2:], value)
+            if name in OF_ALL_MATERIALS and LAYERS in complete(names):
+                put(layer, path[2:], value)
+    chosen.pop("overview", None)  # a column of the table
+    if "relaxation" in body:  # a rubber, which is softer than its counter-body
+        body["youngs_modulus"] /= 4
+        counter_body["youngs_modulus"] *= 64
+        if "table" in body["relaxation"]:
+            body["relaxation"]["table"] = table_of_rubber(units[1])
+    if "base" in body:
+        for key in ("youngs_modulus", "poissons_ratio", "youngs_modulus_uncertainty"):
+            body.pop(key, None)
+    if body:
+        chosen["contact"]["bodies"] = [body | ({"layers": [layer]} if layer else {}), counter_body]
+    if chosen["contact"].get("precision") == "single":
+        chosen["contact"]["tolerance"] = 1e-4
     return chosen
 
 
-APART = [("overview", "contact.boundary")]
-
-
-def admitted(names):
-    """Whether `resolve` takes these settings together."""
+def refusal(names):
+    """Return the sentence by which settings are refused together, nothing where they are admitted."""
     try:
         resolve(sections(names))
-    except SettingsError:
-        return False
-    return not any({*pair} <= {*names} for pair in APART)
+    except SettingsError as error:
+        return str(error)
+    return "where the map is known" if any(pair <= {*complete(names)} for pair in APART) else ""
 
 
-def covering_cases():
+@cache
+def covering():
     """Return cases, tuples of names, in which every pair that is admitted occurs, and the refused pairs."""
     pairs = {frozenset(pair) for pair in itertools.combinations(SETTINGS, 2)}
+    refused = {pair: text for pair in pairs if (text := refusal(pair))}
+    remaining, cases = pairs - refused.keys(), []
 
-    def with_needs(names):
-        needed = [need for name in names for need in NEEDS.get(name, ())]
-        return [*dict.fromkeys([*names, *needed])]
+    def met(names):
+        return {frozenset(pair) for pair in itertools.combinations(names, 2)}
 
-    refused = {pair for pair in pairs if not admitted(with_needs(sorted(pair)))}
-    remaining, cases = pairs - refused, []
     while remaining:
-        case = with_needs(sorted(min(remaining, key=sorted)))
+        case = [*min(remaining, key=sorted)]
         for name in SETTINGS:
-            longer = with_needs([*case, name])
-            gain = {frozenset(pair) for pair in itertools.combinations(longer, 2)} & remaining
-            gain -= {frozenset(pair) for pair in itertools.combinations(case, 2)}
-            if name not in case and gain and admitted(longer):
-                case = longer
-        remaining -= {frozenset(pair) for pair in itertools.combinations(case, 2)}
-        cases.append(tuple(case))
-    return cases, refused
+            present, longer = {*complete(case)}, complete([*case, name])
+            added = itertools.product({*longer} - present, longer)
+            if any(frozenset(pair) in remaining for pair in added) and not refusal([*case, name]):
+                case.append(name)
+        cases.append(complete(case))
+        remaining -= met(cases[-1])
+    # the fewest of them, those first that meet most pairs
+    pairs_of, remaining, chosen = {case: met(case) for case in cases}, pairs - refused.keys(), []
+    while remaining:
+        chosen.append(max(cases, key=lambda case: len(pairs_of[case] & remaining)))
+        remaining -= pairs_of[chosen[-1]]
+    return chosen, refused
 
 
-CASES, REFUSED = covering_cases()
+def names_in(model, where=""):
+    """Yield the name of each setting of a model, in the groups within it as well."""
+    for key, field in model.model_fields.items():
+        groups = sections_of_type(field.annotation)
+        for group in groups:
+            yield from names_in(group, f"{where}{key}.")
+        if not groups:
+            yield f"{where}{key}"
 
 
-def test_every_setting_is_in_the_table():
-    """Or another file has its laws; what is in the table is in a case."""
-    assert {*SETTINGS} == {*itertools.chain(*CASES)}
-    named = {name.partition(":")[0] for name in SETTINGS}.union(*ELSEWHERE.values())
-    for section, field in Settings.model_fields.items():
-        if section not in named | {"surfaces", "report", "cases"}:
-            assert {f"{section}.{key}" for key in field.annotation.model_fields} <= named
+def sections_of_type(annotation):
+    """Return the groups of settings that a type holds."""
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        return [annotation]
+    return [group for part in get_args(annotation) for group in sections_of_type(part)]
+
+
+ALL_NAMES = {name for name in names_in(Settings) if name != "contact.bodies.relaxation"}
+ALL_NAMES |= {f"contact.bodies.relaxation.{key}" for key in RELAXATION_KEYS}
+
+
+def stated(value, where=""):
+    """Return the names of the settings that sections state."""
+    if where in ALL_NAMES:
+        return {where}
+    entries = value.items() if isinstance(value, Mapping) else [("", entry) for entry in value]
+    return set().union(*(stated(entry, ".".join(filter(None, [where, key]))) for key, entry in entries))
+
+
+def test_every_pair_of_settings_meets_in_a_case_or_is_refused():
+    """Of all settings of the models: one that is added without a value here fails."""
+    cases, refused = covering()
+    assert len(cases) <= len(NUMBERS)
+    of_cases = [stated(sections(names)) for names in cases]
+    assert set().union(*of_cases) == ALL_NAMES - WITHOUT_NUMBER.keys()
+    met = {pair for names in of_cases for pair in itertools.combinations(sorted(names), 2)}
+    parts = {name: stated(sections([name])) for name in SETTINGS}
+    apart = {pair for first, second in refused for pair in itertools.product(parts[first], parts[second])}
+    for pair in itertools.combinations(sorted(set().union(*of_cases)), 2):
+        assert pair in met or pair in apart or pair[::-1] in apart, pair
+
+
+def test_a_pair_that_is_refused_is_told_by_name():
+    for (first, second), text in covering()[1].items():
+        keys = {name.rpartition(".")[2] for name in stated(sections([first])) | stated(sections([second]))}
+        assert "where the map is known" in text or any(key in text for key in keys), (first, second, text)
+
+
+FEW = 7  # cases that meet nine tenths of the pairs, of settings that exclude one another one each
+NUMBERS = [pytest.param(number, marks=[pytest.mark.slow] * (number >= FEW)) for number in range(27)]
+
+
+def case_of(number):
+    """Return the names of a case, of which there may be fewer than numbers."""
+    cases, _ = covering()
+    if number >= len(cases):
+        pytest.skip("fewer cases meet all pairs")
+    return cases[number]
 
 
 def evaluated(names, *, transposed=False, unit=1.0, extra=None, **options):
-    """Return the statistics of the map by the settings of some names, and those of wear and sliding."""
-    chosen = sections(names, **options)
-    if transposed and "form.radius" in names:
-        chosen["form"]["radius"].reverse()
+    """Return the statistics of the map by the settings of some names, and those of what follows a contact."""
+    chosen, names = sections(names, **options), complete(names)
+    if transposed:
+        chosen.get("form", {}).get("radius", []).reverse()
+    if "instrument.finer_spectrum" in names:
+        chosen["instrument"]["finer_spectrum"] = finer_map(transposed, unit)
     for section, values in (extra or {}).items():
         chosen[section] = chosen.get(section, {}) | values
     full = resolve(chosen)[""]
-    overviews = [field_around(transposed, unit)] if "overview" in names else []
-    with warnings.catch_warnings():
+    if transposed:
+        full["sliding"]["direction"] = 90.0 - full["sliding"]["direction"]  # the same of the face
+    height, overviews = measured(transposed, unit), []
+    further, fields = {}, FILES / "contact.nc"
+    with warnings.catch_warnings(), pytest.MonkeyPatch.context() as patch:
         warnings.simplefilter("ignore")
-        chain = run_chain(measured(transposed, unit), full, overviews=overviews)
-        further = {}
-        if "wear" in names:
-            further["worn"] = worn_in_a_run(chain.window, full, mean_pressure=full["wear"]["mean_pressure"])
-        if "sliding" in names:
-            full["sliding"]["direction"] = 60.0 if transposed else 30.0  # the same of the face
-            pressure = full["sliding"]["mean_pressure"]
-            further["slid"] = slid_in_a_run(chain.window, full, mean_pressure=pressure)
+        if "overview" in names:
+            overviews = [field_around(transposed, unit)]
+        if "composite" in names:  # of faces that are levelled one by one
+            height = pair_of_faces(full, unit)
+            patch.setattr(MapPreparation, "level", lambda self, height, options: height)
+        chain = run_chain(
+            height, full, overviews=overviews, fields=fields if "contact.unload" in names else None
+        )
+        heaviest = float(chain.statistics["mean_pressure"].max())
+        for prefix, name, run in (("worn", WEAR, worn_in_a_run), ("slid", SLIDING, slid_in_a_run)):
+            if name in names:
+                load = full[name.partition(":")[0].partition(".")[0]]["mean_pressure"] or heaviest
+                further[prefix] = run(chain.window, full, mean_pressure=load)
+        if "contact.unload" in names:
+            with xr.open_dataset(fields) as contact:
+                further["left"] = evaluate_unloading(contact.load(), chain.window, full)
+    maps = {"height", "pressure", "gap", "plastic_depth"}
     renamed = [
-        data.drop_vars(["height", "pressure", "gap"], errors="ignore").rename(
-            {
-                name: f"{prefix} {name}"
-                for name in {*data.variables, *data.dims} - {"height", "pressure", "gap"}
-            }
+        data.drop_vars(maps, errors="ignore").rename(
+            {name: f"{prefix} {name}" for name in {*data.variables, *data.dims} - maps}
         )
         for prefix, data in further.items()
     ]
@@ -340,14 +533,7 @@ def evaluated(names, *, transposed=False, unit=1.0, extra=None, **options):
 @pytest.fixture(scope="module")
 def results():
     """The numbers of each case, computed once."""
-    cache = {}
-
-    def result(names):
-        if names not in cache:
-            cache[names] = evaluated(names)
-        return cache[names]
-
-    return result
+    return cache(evaluated)
 
 
 def law_of(name):
@@ -362,8 +548,9 @@ def lawful(dataset):
     return [str(name) for name, data in dataset.variables.items() if data.dtype.kind == "f" and law_of(name)]
 
 
-@pytest.mark.parametrize("names", CASES)
-def test_another_system_of_units_gives_the_same_numbers(results, names):
+@pytest.mark.parametrize("number", NUMBERS)
+def test_another_system_of_units_gives_the_same_numbers(results, number):
+    names = case_of(number)
     reference = results(names)
     converted = evaluated(names, unit=LENGTHS, units=(LENGTHS, MODULI))
     for name in lawful(reference):
@@ -380,10 +567,12 @@ def test_another_system_of_units_gives_the_same_numbers(results, names):
 
 HEADLINE = ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure", "contact_stiffness")
 BY_ROWS = {"level.line_alignment", "level.scar_threshold"}
-DATASETS = {"wear", "sliding"}  # computed from what the others give
+BY_PLACES = {"composite"}  # which are drawn along y, then along x
+DATASETS = {WEAR, SLIDING, "contact.unload"}  # computed from what the others give
 ALONE = {"overview"}  # of intervals
 NOT_NEUTRAL = {
-    "contact.boundary": {"contact.layers"},  # further positions of a body with layers are not solved
+    FREE: {LAYERS},  # further positions of a body with layers are not solved
+    "contact.bodies.base": {LAYERS},
     "instrument.correct": {"instrument.noise", "instrument.tip_radius"},  # they limit what is corrected
 }
 # of members, which are solved less exactly
@@ -399,20 +588,20 @@ def same_or_unknown(actual, expected, name):
     """Whether two numbers are one where the second is known, those of intervals to a hundredth.
 
     Members are solved to 1e-3, and what they say of finer pixels and other places is extrapolated.
+    Half-widths are differences of two of them, between which one point of a thousand may close.
     """
     is_known = np.isfinite(expected)
     if by_members(name):
-        scale = np.abs(expected[is_known]).max(initial=0.0)
-        np.testing.assert_allclose(
-            actual[is_known], expected[is_known], rtol=0.01, atol=0.01 * scale, err_msg=name
-        )
+        share = 0.05 if name.endswith("_uncertainty") else 0.01
+        atol = share * np.abs(expected[is_known]).max(initial=0.0)
+        np.testing.assert_allclose(actual[is_known], expected[is_known], rtol=0.01, atol=atol, err_msg=name)
     else:
         same(actual[is_known], expected[is_known], name)
 
 
-@pytest.mark.parametrize("names", CASES)
-def test_the_numbers_of_a_transposed_map_are_transposed(names):
-    symmetric = tuple(name for name in names if name not in BY_ROWS | ALONE)
+@pytest.mark.parametrize("number", NUMBERS)
+def test_the_numbers_of_a_transposed_map_are_transposed(number):
+    symmetric = tuple(name for name in case_of(number) if name not in BY_ROWS | BY_PLACES | ALONE)
     extra = {"level": {"line_alignment": "none"}, "uncertainty": {"sources": []}}
     plain, transposed_result = (
         evaluated(symmetric, transposed=transposed, extra=extra).sortby(
@@ -429,15 +618,18 @@ def test_the_numbers_of_a_transposed_map_are_transposed(names):
             np.testing.assert_allclose(transposed_result[swapped(name)], plain[name], rtol=rtol, err_msg=name)
 
 
-@pytest.mark.parametrize("names", CASES)
-def test_what_is_stated_to_do_nothing_changes_nothing(names):
+@pytest.mark.parametrize("number", NUMBERS)
+def test_what_is_stated_to_do_nothing_changes_nothing(number):
     """Neither a neutral value, nor what is asked for besides."""
+    names = case_of(number)
     adding = {name for name in names if SETTINGS[name].adds}
-    adding |= {name for name in names if adding & {*NEEDS.get(name, ())}}
+    adding |= {name for name in names if adding & {*SETTINGS[name].needs}}
     neutral = {name for name in names if SETTINGS[name].neutral is not None}
     neutral -= set().union(*(NOT_NEUTRAL.get(name, set()) for name in names))
     plain = evaluated(tuple(name for name in names if name not in neutral | adding))
-    left_out = DATASETS | {"contact.target_gap"}  # between more loads corrections are interpolated
+    # between more loads corrections are interpolated, and the heaviest says which part is refined
+    left_out = DATASETS | {"contact.target_area", "contact.target_gap", "contact.target"}
+    left_out |= {name for name in names if left_out & {*SETTINGS[name].needs}}
     with_neutral = evaluated(tuple(name for name in names if name not in left_out), neutral=neutral)
     # without the load of a target; of a force over an area it has another last digit
     stated = np.isclose(with_neutral["mean_pressure"], plain["mean_pressure"].values[0], rtol=1e-12)
@@ -450,9 +642,9 @@ def test_what_is_stated_to_do_nothing_changes_nothing(names):
             same_or_unknown(with_neutral[name].values, plain[name].values, name)
 
 
-@pytest.mark.parametrize("names", CASES)
-def test_intervals_stay_within_what_is_possible(results, names):
-    numbers = results(names)
+@pytest.mark.parametrize("number", NUMBERS)
+def test_intervals_stay_within_what_is_possible(results, number):
+    numbers = results(case_of(number))
     span = 2 * float(np.nanmax(measured()) - np.nanmin(measured()))
     highest = {"relative_contact_area": 1.0, "mean_gap": span, "max_pressure": 1e12}
     for name in ("relative_contact_area", "mean_gap", "mean_contact_pressure", "max_pressure"):

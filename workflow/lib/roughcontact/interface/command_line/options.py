@@ -75,7 +75,7 @@ def keys_in_words(section: str) -> str:
     Examples
     --------
     >>> keys_in_words("statistics.joint").rpartition("; [")[2]
-    'film_conductivity= of that film; in W/(m K)]'
+    'film_conductivity= of that film; a number alone is in W/(m K)]'
     """
     fields = fields_at(section.split("."))
     required = sorted(fields.items(), key=lambda entry: not entry[1].is_required())
