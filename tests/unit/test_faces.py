@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline, RectBivariateSpline
 import roughcontact as rc
 from roughcontact.arguments.maps import height_map
 from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.surface.faces import overlap
 from roughcontact.surface.faces.composite import composite
 from roughcontact.surface.faces.face import Face
 from roughcontact.surface.faces.positions import relative_positions
@@ -379,6 +380,7 @@ def test_an_ensemble_of_positions():
             np.testing.assert_allclose((values - (a - b) / 2) % 1 % 0.999999, 0, atol=1e-5)
     fewer = relative_positions(face, counter_face, shifts=2, rotations=[0, 90], overlap=0.8, seed=3)
     assert fewer == drawn[:2] + drawn[40:42]
+    assert relative_positions(face, counter_face, shifts=1, overlap=0.8, seed=3) == drawn[:1]
     assert fewer != relative_positions(face, counter_face, shifts=2, rotations=[0, 90], overlap=0.8, seed=4)
     together = composite(face, counter_face, **drawn[50])
     assert not np.isnan(together).any()
@@ -410,6 +412,15 @@ def test_a_shift_is_moved_to_the_nearest_points():
 def test_ensembles_without_meaning(wrong, message):
     with pytest.raises(SettingsError, match=message):
         relative_positions(rough(1), rough(2), **wrong)
+
+
+def test_a_common_grid_has_no_more_points_than_a_file_may_have(monkeypatch):
+    faces = rough(1, (16, 20)), rough(2, (16, 20))
+    monkeypatch.setattr(overlap, "_MAX_POINTS", 16 * 20)
+    assert composite(*faces).shape == (16, 20)
+    monkeypatch.setattr(overlap, "_MAX_POINTS", 16 * 20 - 1)
+    with pytest.raises(HeightMapError, match="16 x 20 points, more than the limit of 319"):
+        composite(*faces)
 
 
 def test_the_contact_of_two_faces_is_that_of_their_sum():
