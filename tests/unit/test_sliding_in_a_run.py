@@ -137,7 +137,7 @@ def test_what_the_table_does_not_reach_is_in_the_interval(slid):
 def test_an_overview_adds_what_other_places_of_the_surface_change(position):
     """Nine fields of long waves, of which a map shows one: the mean of all, solved, is in its interval.
 
-    Of nine such surfaces the intervals of the friction hold 0.89 of the means without it, all with it.
+    Of 16 such surfaces the intervals hold 0.83 of the frictions without it, 0.65 of the gaps; with it all.
     """
     points, whole = 72, self_affine((216, 216), 1e-6, (6e-6, 1.2e-4), rms_gradient=0.1, hurst=0.7, seed=0)
     begins = range(0, 216, points)

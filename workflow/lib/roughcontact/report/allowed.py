@@ -77,7 +77,8 @@ def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:
     if names[0] not in numbers or not np.isfinite(np.asarray(numbers[names[0]])[index]):
         return ""
     largest, *bounds = (float(np.asarray(numbers[key])[index]) for key in names)
-    interval = " to ".join(quantity(bound, "m") for bound in bounds) if np.isfinite(bounds).all() else ""
+    lower, upper = (quantity(bound, "m") if np.isfinite(bound) else "" for bound in bounds)
+    interval = f"{lower} to {upper}" if lower and upper else f"{lower} or more" if lower else ""
     text = f"; holds for Sq up to {quantity(largest, 'm')}{f' ({interval})' if interval else ''}"
     return f"{text} of this texture with its S- and L-filter"
 
