@@ -9,7 +9,7 @@ from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.sealing.percolation import half_way_levels
 from roughcontact.uncertainty.headline import headline_names, iterate_fields
 from roughcontact.uncertainty.sample import constrictions_in_grooves
-from roughcontact.uncertainty.scales import CONDUCTANCE
+from roughcontact.uncertainty.scales import APPROACH, CONDUCTANCE, GAP
 from roughcontact.uncertainty.solver import solver_uncertainty
 
 
@@ -28,6 +28,7 @@ def budget_inputs(
     # of full contact it is infinite
     plain[CONDUCTANCE] = np.where(np.isfinite(plain[CONDUCTANCE]), plain[CONDUCTANCE], np.nan)
     widths = solver_uncertainty(contact, energy=statistics["elastic_energy"].values)
+    widths |= {APPROACH: widths[GAP]} if APPROACH in plain else {}  # one offset moves both
     plain |= {f"{name}_uncertainty": width for name, width in widths.items()}
     plain["index_of_the_peak"] = np.array([pressure.argmax() for pressure, _ in iterate_fields(contact)])
     if grooves is None:

@@ -30,10 +30,9 @@ _COMMENT = (
     "asymmetric; combined: root of the sum of squares of the sources on the scale of the quantity; NaN: not "
     "requested, not available from this map, or not bounded above by it"
 )
-_NAMES = (*scales.QUANTITIES, *scales.ANSWERS)
 _ENDINGS = ("uncertainty", "components", "estimate", "as_solved", "alone", "lower", "upper")
 # what `uncertainty_table` needs of a budget
-TABLE_VARIABLES = {"mean_pressure", *(f"{name}_{ending}" for name in _NAMES for ending in _ENDINGS)}
+TABLE_VARIABLES = {"mean_pressure", *(f"{name}_{ending}" for name in scales.ALL for ending in _ENDINGS)}
 
 
 def half_widths(below: np.ndarray, above: np.ndarray) -> Component:
@@ -149,7 +148,7 @@ def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
     number moves its end towards the value.
     """
     plain = {str(name): variable.values for name, variable in budget.variables.items()}
-    tables = [_rows(plain, name) for name in _NAMES if f"{name}_uncertainty" in plain]
+    tables = [_rows(plain, name) for name in scales.ALL if f"{name}_uncertainty" in plain]
     if not tables:
         return pd.DataFrame(columns=["quantity", "mean_pressure_Pa", "source"])
     return pd.DataFrame({key: np.concatenate([table[key] for table in tables]) for key in tables[0]})

@@ -36,7 +36,7 @@ from roughcontact.uncertainty.combination import (
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.members import Members, members_of_group
 from roughcontact.uncertainty.random_effects import grubbs_outliers, moderated, random_effects, student
-from roughcontact.uncertainty.scales import ANSWERS, QUANTITIES, from_scale, to_scale
+from roughcontact.uncertainty.scales import ALL, from_scale, to_scale
 
 MIN_FOR_INTERVAL = 3  # parts, or maps, below which there is a range instead of an interval
 _SAME = 1e-6  # relative, of moduli
@@ -56,7 +56,7 @@ def needed_for_groups(names: Iterable[str]) -> list[str]:
     ['mean_gap', 'mean_gap_lower']
     """
     suffixes = (*ENDS, "_map_lower", "_map_upper", "_alone", "_components", "_parts")
-    needed = {f"{name}{suffix}" for name in (*QUANTITIES, *ANSWERS) for suffix in suffixes}
+    needed = {f"{name}{suffix}" for name in ALL for suffix in suffixes}
     needed |= {"mean_pressure", "contact_modulus", "rms_height", *_OF_HARDNESS}
     needed |= {name for facts in KIND_FACTS for name in facts.own_numbers}
     return [name for name in names if name in needed]

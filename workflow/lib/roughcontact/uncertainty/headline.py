@@ -14,7 +14,7 @@ from roughcontact.contact.response import linear_response
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.statistics.sealing.percolation import percolation_columns
 from roughcontact.uncertainty import scales
-from roughcontact.uncertainty.scales import ANSWERS, CONSTRICTIONS, QUANTITIES
+from roughcontact.uncertainty.scales import CONSTRICTIONS
 
 
 def headline_values(
@@ -59,7 +59,7 @@ def headline_values(
 
 def headline_names(dataset: Container[Any]) -> tuple[str, ...]:
     """Return the names of the headline quantities and the answers that a dataset contains."""
-    return tuple(name for name in (*QUANTITIES, *ANSWERS) if name in dataset)
+    return tuple(name for name in scales.ALL if name in dataset)
 
 
 def iterate_fields(contact: xr.Dataset) -> Iterator[tuple[np.ndarray, np.ndarray]]:

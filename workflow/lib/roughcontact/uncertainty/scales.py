@@ -11,9 +11,10 @@ import scipy
 from roughcontact.arguments import answers
 from roughcontact.arguments.answers import APPROACH, AREA, CONDUCTANCE, GAP, PEAK, PRESSURE
 
-QUANTITIES = (AREA, GAP, PEAK, PRESSURE, APPROACH)
+QUANTITIES = (AREA, GAP, PEAK, PRESSURE)
 CONSTRICTIONS = tuple(name for name, quantity in answers.QUANTITIES.items() if quantity.scale == "length")
 ANSWERS = (CONDUCTANCE, *CONSTRICTIONS)
+ALL = (*QUANTITIES, *ANSWERS, APPROACH)  # that of a body of finite size
 
 SMALLEST = 1e-6  # share of a result, and of the area that is open, below which its logarithm is meaningless
 

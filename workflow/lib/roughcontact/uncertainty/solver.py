@@ -28,7 +28,7 @@ _POINT_ERROR = 3.0  # relative error of the pressure at a point over that of the
 
 
 def solver_uncertainty(contact: xr.Dataset, *, energy: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the half-widths (load) of 95 % intervals of area, gap, largest pressure and approach, in units.
+    """Return the half-widths (load) of 95 % intervals of area, gap and largest pressure, in their units.
 
     They are n/N of the points within reach, eps U/p̄ (U in J/m2) and 3 eps p_max: see the top of the module.
     """
@@ -38,7 +38,7 @@ def solver_uncertainty(contact: xr.Dataset, *, energy: np.ndarray) -> dict[str, 
         areas.append(points_within_reach(pressure, gap, _POINT_ERROR * bound) / pressure.size)
         peaks.append(_POINT_ERROR * bound * pressure.max())
     gaps = bounds * energy / contact["mean_pressure"].values
-    return {AREA: np.array(areas), GAP: gaps, PEAK: np.array(peaks), APPROACH: gaps}
+    return {AREA: np.array(areas), GAP: gaps, PEAK: np.array(peaks)}
 
 
 def solver_components(solution: xr.Dataset) -> Components:
