@@ -121,7 +121,8 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         return {}, [*mistakes, *(mistake(name, overrides, detail) for detail in error.errors())]
     contact = settings["contact"]
     try:
-        _check_bodies(contact["bodies"], where)
+        if contact["bodies"]:
+            check_bodies(contact["bodies"], where=f"{where}.bodies")
     except SettingsError as error:
         layer = SettingsError(str(error), keys=error.keys, place="".join(error.keys[:1]))
         return settings, [*mistakes, layer]
@@ -378,12 +379,6 @@ def _mistakes_in_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) 
 def _key(location: Iterable[str | int]) -> str:
     """Return a location below a section as text, ".bodies[0].layers[1]"."""
     return "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in location)
-
-
-def _check_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) -> None:
-    """Raise an error for bodies whose elastic constants are missing, or contradict one another."""
-    if bodies:
-        check_bodies(bodies, where=f"{where}.bodies")
 
 
 def _merge(base: Any, overrides: Any) -> Any:
