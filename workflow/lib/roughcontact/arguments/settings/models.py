@@ -207,6 +207,11 @@ def _example(value: Any) -> Any:
     return Field(default=None, examples=[value])
 
 
+def _section() -> Any:
+    """Return the field of a section, empty by default: for an instance its own validator would be built."""
+    return Field(default_factory=dict, validate_default=True)
+
+
 # a text below the field before it; parsing the source takes eight times as long
 _TEXT_BELOW = re.compile(r'^    (\w+): (?:(?!^    \w|""").)*?^    """(.*?)"""', re.MULTILINE | re.DOTALL)
 
@@ -696,17 +701,17 @@ class Settings(Section):
 
     surfaces: str = Field(default="config/surfaces.tsv", min_length=1)
     """path of the table of surfaces, tab-separated, one row each; see config/README.md"""
-    level: Level = Field(default_factory=Level)
-    composite: Composite = Field(default_factory=Composite)
-    window: Window = Field(default_factory=Window)
-    form: Form = Field(default_factory=Form)
-    contact: Contact = Field(default_factory=Contact)
-    statistics: Statistics = Field(default_factory=Statistics)
-    uncertainty: Uncertainty = Field(default_factory=Uncertainty)
-    instrument: Instrument = Field(default_factory=Instrument)
-    wear: Wear = Field(default_factory=Wear)
-    sliding: Sliding = Field(default_factory=Sliding)
-    report: Report = Field(default_factory=Report)
+    level: Level = _section()
+    composite: Composite = _section()
+    window: Window = _section()
+    form: Form = _section()
+    contact: Contact = _section()
+    statistics: Statistics = _section()
+    uncertainty: Uncertainty = _section()
+    instrument: Instrument = _section()
+    wear: Wear = _section()
+    sliding: Sliding = _section()
+    report: Report = _section()
     cases: dict[str, dict[str, Any]] = Field(
         default_factory=dict, examples=[{"soft": {"contact": {"contact_modulus": "1 GPa"}}}]
     )
