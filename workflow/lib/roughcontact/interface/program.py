@@ -23,9 +23,7 @@ from roughcontact.errors import (
     RoughContactError,
     SettingsError,
 )
-from roughcontact.interface.command_line import saving
 from roughcontact.interface.command_line.words import with_units
-from roughcontact.io.request import FILE_OPTIONS
 from roughcontact.study.garbage import collect_rarely
 
 if TYPE_CHECKING:
@@ -125,6 +123,8 @@ def _failed(error: RoughContactError | str, code: int) -> int:
 
 def _parser(*, verb: str) -> argparse.ArgumentParser:
     """Return the parser; some options of `verb` come from the settings, whose import takes a moment."""
+    from roughcontact.interface.command_line import saving
+
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"roughcontact {roughcontact.__version__}")
     verbs = parser.add_subparsers(
@@ -314,6 +314,8 @@ def _add_overview(parser: argparse.ArgumentParser) -> None:
 
 def _add_file_options(parser: argparse.ArgumentParser) -> None:
     """Add options for information that is missing in a file, and for the output format."""
+    from roughcontact.io.request import FILE_OPTIONS
+
     group = parser.add_argument_group("information missing in the file")
     for name, text in FILE_OPTIONS.items():
         convert, metavar = (_length, "LENGTH") if name in ("dx", "dy") else (str, "TEXT")
@@ -344,6 +346,8 @@ def _add_json(parser: argparse.ArgumentParser) -> None:
 
 def _read_arguments(options: argparse.Namespace) -> dict[str, Any]:
     """Return the keyword arguments of `read_height_map` that were given."""
+    from roughcontact.io.request import FILE_OPTIONS
+
     names = (name.replace("-", "_") for name in FILE_OPTIONS)
     return {name_: value for name_ in names if (value := getattr(options, name_)) is not None}
 
@@ -388,6 +392,7 @@ def _contents(path: Path, options: argparse.Namespace) -> dict[str, Any]:
 
 def _solve(options: argparse.Namespace) -> int:
     """Print the contact of one map, or of several together."""
+    from roughcontact.interface.command_line import saving
     from roughcontact.interface.command_line.answers import group, solution
     from roughcontact.interface.command_line.describe import as_json
     from roughcontact.interface.command_line.options import chosen_settings, message_with_options
@@ -524,6 +529,7 @@ def _methods(options: argparse.Namespace) -> int:
 def _table(options: argparse.Namespace) -> int:
     """Print or write the table of a result over the mean gap."""
     from roughcontact.evaluation.evaluate import tabulate_by_gap
+    from roughcontact.interface.command_line import saving
     from roughcontact.results.collect import column_name
     from roughcontact.results.exchange import write_contact_law
     from roughcontact.results.storage import table_text, write_dataset, write_table
@@ -577,6 +583,8 @@ def _read_run_statistics(path: str, *, single: bool = False) -> "xr.Dataset":
 
 def _export(options: argparse.Namespace) -> int:
     """Write a result of a finished run as another kind of file."""
+    from roughcontact.interface.command_line import saving
+
     is_numbers = options.folder.name == "statistics.nc" and options.folder.is_file()
     saving.export(options.folder.parent if is_numbers else options.folder, options.output)
     return 0
