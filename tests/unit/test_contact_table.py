@@ -338,6 +338,9 @@ def test_finite_elements_return_the_contact_law(tmp_path, hardness):
     rc.write_dataset(result, tmp_path / "result.nc")
     assert main(["table", str(tmp_path / "result.nc"), "-o", str(tmp_path / "law.inp")]) == 0
     law = tabulate_by_gap(result)
+    *_, by_gap = (tmp_path / "law.inp").read_text().partition("** conductance, mean gap\n")
+    rows = np.array([line.removeprefix("** ").split(", ") for line in by_gap.splitlines()], float)
+    np.testing.assert_allclose(rows.T, [law["thermal_conductance"] * 1e-3, law["mean_gap"] * 1e3], rtol=1e-8)
     touch = (law["approach"] + law["mean_pressure"] / law["contact_stiffness"]).values[0]
     pressure = np.append(0, law["mean_pressure"]) * 1e-6
     overclosure = np.append(0, touch - law["approach"]) * 1e3

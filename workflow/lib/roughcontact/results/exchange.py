@@ -222,7 +222,8 @@ def write_contact_law(table: xr.Dataset, path: str | Path) -> None:
     -----
     `*SURFACE BEHAVIOR` has the pressure over what the bodies have come closer, flow included, from where the
     tangent at the lightest load comes to no pressure. `*GAP CONDUCTANCE` has `joint_conductance`, else
-    `thermal_conductance`, over the pressure, and its tangent at the lightest load down to no pressure.
+    `thermal_conductance`, over the pressure, and its tangent at the lightest load down to no pressure; over
+    the mean gap it follows as a comment, since CalculiX would read these rows as pressures.
 
     Examples
     --------
@@ -254,6 +255,8 @@ def write_contact_law(table: xr.Dataset, path: str | Path) -> None:
         is_known = np.append(True, np.isfinite(conductance))
         rows = np.append(unloaded, conductance)[is_known] * 1e-3, np.append(0.0, pressure)[is_known] * 1e-6
         lines += ["** conductance, pressure", "*GAP CONDUCTANCE, PRESSURE", *_rows(*rows)]
+        by_gap = _rows(conductance[is_known[1:]] * 1e-3, table["mean_gap"].values[is_known[1:]] * 1e3)
+        lines += ["** conductance, mean gap", *(f"** {row}" for row in by_gap)]
     write_text("\n".join(lines) + "\n", path)
 
 
