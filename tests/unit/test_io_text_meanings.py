@@ -28,6 +28,17 @@ def is_right(height, heights=ONE[::-1]):
         "Taille de balayage X: 5 µm\nTaille de balayage Y: 2 µm\nUnité Z: nm\nRayon de la pointe: 2 µm",
         "Separación X: 0,5 micras\nSeparación Y: 0,25 micras\nAlturas en nm\nLongitud de onda: 405 nm",
         "Intervallo X: 5 µm\nIntervallo Y: 2 µm\nPunti per linea: 10\nLinee: 8\nQuote in nm",
+        "像素尺寸 0.5 × 0.25 µm， 高度单位: nm",
+        "Sampling pitch is 0.5 micron in X and 0.25 micron in Y. Heights in nanometre",
+        "5 µm × 2 µm field, 10 x 8 pixels, heights nm",
+        "velikost pixelu 0,5 × 0,25 µm, výšky v nm",
+        "steglängd x 0,5 µm, steglängd y 0,25 µm, z i nm",
+        "un pixel = 0,5 µm sur 0,25 µm, altitudes en nm",
+        "1 Pixel = 0,5 µm x 0,25 µm, z in nm",
+        "Pixel size (row, col): 0.25 x 0.5 µm\nZ unit: nm",
+        "Spacing (line/point): 0.25 / 0.5 µm\nZ unit: nm",
+        "Field (V x H): 2 x 5 µm\nZ unit: nm",
+        "Slow/fast step: 0.25 / 0.5 µm\nZ unit: nm",
         "Feldgröße X: 5 µm\nFeldgröße Y: 2 µm\nHöhen in nm\nArbeitsabstand: 4,7 mm",
     ],
 )
@@ -49,12 +60,22 @@ def test_the_letter_of_an_axis_names_a_column(read, heading):
     is_right(read(f"{heading}\n{cells(points(ONE, 0.5, 0.25), ';')}"), ONE)
 
 
+def test_an_order_of_sides_that_is_not_known_is_asked_about(refused):
+    refused(f"Pixel size (v1, v2): 0.25 x 0.5 µm\nZ unit: nm\n{ROWS}", "does not say its size.*line 1 says")
+
+
+def test_an_error_of_heights_has_no_unit_of_theirs(refused):
+    refused(f"{STEPS}Height error [nm]\n{ROWS}", "does not say the unit of its heights .*Height error")
+
+
 def test_words_behind_decimal_commas_lose_no_point(read):
     rows = cells(points(ONE, 0.5, 0.25), " ").replace(".", ",").splitlines()
     is_right(read("X Y Z status\nµm µm nm\n" + "\n".join(f"{row} ok" for row in rows)), ONE)
 
 
-@pytest.mark.parametrize("line", ["Scale factor: 0.1 nm", "z_scale = 0.1 nm", "Skalierung: 0,1"])
+@pytest.mark.parametrize(
+    "line", ["Scale factor: 0.1 nm", "z_scale = 0.1 nm", "Skalierung: 0,1", "gain: 100", "Множитель: 0.1"]
+)
 def test_a_factor_above_counts_is_asked_about(read, refused, line):
     text = f"{STEPS}Z unit: nm\n{line}\n{cells(np.round(100 * ONE))}"
     refused(text, "all heights are whole numbers, as counts are")
@@ -65,6 +86,8 @@ def test_a_factor_above_counts_is_asked_about(read, refused, line):
     "line",
     [
         *("Réplica: sí", "Mould: Provil novo", "Empreinte silicone", "Calco del pezzo", "z -> -z"),
+        *("Afdruk: ja", "レプリカ: はい", "Реплика: да", "Eindringtiefe", "x and y swapped", "dz/dx"),
+        *("Signal in mV", "Wavefront error", "Z magnification: 100"),
         *("Gespiegelt in z", "Vorzeichen umgekehrt", "Heights times -1", "profundidad bajo la referencia"),
     ],
 )
@@ -77,6 +100,7 @@ def test_what_turns_the_heights_is_said(read, line):
     "line",
     [
         *("Binned 2 x 2", "Every 2nd point exported", "Jeder 2. Punkt", "Un point sur 2", "Un punto su 2"),
+        *("XY magnification 10x", "shrinkage factor 1.02"),
         *("Datenreduktion: 2", "Tiles: 3 x 2", "Messpunkte je Spur: 40"),
     ],
 )

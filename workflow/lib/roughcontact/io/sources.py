@@ -208,6 +208,8 @@ def lines_not_used(
                 f"give dx, dy and unit{unless}",
                 keys=["dx", "dy", "unit", "ignore_lines"],
             )
+        elif "fraction" in matters and lengths:
+            check = "which is not used: check the units"
         elif "pixels" in matters and values != [1] and not _DENIED.search(text):
             check = "which is not used: check the steps dx and dy"
         elif (stated_above and (strange or strange_points)) or (strange_points and is_count) or strange_count:

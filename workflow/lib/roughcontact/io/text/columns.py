@@ -7,7 +7,7 @@ from typing import NamedTuple
 from roughcontact.errors import InputFileError
 from roughcontact.io.text.header import statements
 from roughcontact.io.units import is_length, same_length
-from roughcontact.io.vocabulary import meanings, words
+from roughcontact.io.vocabulary import meanings, pattern, words
 
 _MAX_LINE_LENGTH = 4096  # characters of a line of headings
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
@@ -21,6 +21,7 @@ _WIDE_TABLE = 8  # columns; so many with one heading are the columns of a map
 # heading -> role of its column
 _ROLE = meanings("column") | dict.fromkeys(words("header")["height"], "z")
 _DOTTED = re.compile(r"(\w+)\.+(\w+)\.?")  # as R writes "x (um)"
+_ERROR = pattern("name", "error")  # of heights
 _BESIDE = "|".join(words("beside")["letter"])
 _LETTER = re.compile(rf"(?:{_BESIDE})*([xyz])(?:{_BESIDE})*")  # "posx", "xcoordinate"
 
@@ -129,7 +130,8 @@ def unit_of_heights(line: str) -> str | None:
     """Return the unit in a heading above a matrix, as ``Height (nm)``; None for any other line."""
     text = line.strip(' \r\n\t"#%:')
     column = _column(text) if _HEADING.fullmatch(text) else Column("", None, "")
-    return column.unit if column.role == "z" and is_length(column.unit) else None
+    is_height = column.role == "z" and not _ERROR.search(column.name)
+    return column.unit if is_height and is_length(column.unit) else None
 
 
 def is_heading(cell: str) -> bool:

@@ -43,13 +43,17 @@ _TWO_SIDES = re.compile(
 _BEFORE_A_NUMBER = re.compile(r"([^\d;,]*[^\W\d])\s+([\[(]?[-+.]?\d.*)")
 # a length among the words that name it: "rows are 0.6 µm apart", "0.4 µm per pixel"
 _AROUND = re.compile(
-    r"([^\d:=;,]*?)\s*\b((?:[\d.,]+\s*(?:[x×*/]|by)\s*)?[\d.,]+\s*([^\W\d_]+[²2]?))(?:\s*/\s*|\s+)([^\d:=;,(]+)"
+    r"([^\d:=;,]*?)\s*\b((?:[\d.,]+\s*[^\W\d_]*?\s*(?:[x×*/]|by)\s*)?[\d.,]+\s*([^\W\d_]+[²2]?))(?:\s*/\s*|\s+)([^\d:=;,(]+)"
 )
+_UNKNOWN_ORDER = re.compile(r"[(\[]\s*([^\W\d]\w*)\s*[x×,;/*]\s*[^\W\d]\w*\s*[)\]]")
+_WIDE_MARKS = {ord(wide): mark for wide, mark in zip("，、；", (", ", ", ", "; "), strict=True)}
 _ONE_AXIS = re.compile(rf"({_SIDE})(?:[\s-]*(?:axis|direction))?\s*:\s*(.+,.+)", re.IGNORECASE)
 _AXIS = meanings("axis")
 _NO_HEADINGS = re.compile(r"[^(\[/]*(?::|\b(?:and|und|et)\b)[^(\[/]*")
 # between the entries of a line, not within brackets
-_PIECES = re.compile(r"[;,]\s+(?=[^\W\d]|\d+\s*(?:[x×]\s*\d+)?\s+[^\W\d])(?![^(\[]*[)\]])")
+_PIECES = re.compile(
+    r"(?:[;,]|\.(?=\s+[^\W\d_]{3}))\s+(?=[^\W\d]|\d+\s*(?:[x×]\s*\d+)?\s+[^\W\d])(?![^(\[]*[)\]])"
+)
 _COUNTED = re.compile(
     r"(\d+(?:\s*[x×]\s*\d+)?)\s+([^\W\d]+)(?:\s*(?:[x×]|\band\b|\bby\b)\s*|$)"
 )  # "18 columns"
@@ -57,7 +61,7 @@ _MAX_UNIT = 20  # characters of a unit behind words
 _MAX_PHRASE = 200  # characters of an entry in words; the patterns take the square of their number
 NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _BETWEEN_SIDES = re.compile(
-    r"(?<=[\w)\].])\s?(?:\bx\b|x(?=\d)|\bby\b|\band\b|\bund\b|(?<=\D)[/|](?=\s?[\d.])|[/|](?=\s?\d*[.,]\d)|;(?=\s*\d)|,(?=\s+\d))\s*|"
+    r"(?<=[\w)\].])\s?(?:\bx\b|x(?=\d)|\b(?:by|and|und|et|sur|par|per|por|en)\b|(?<=\D)[/|](?=\s?[\d.])|[/|](?=\s?\d*[.,]\d)|;(?=\s*\d)|,(?=\s+\d))\s*|"
     r"(?<=[^\W\d])\s+(?=\d)"
 )
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
@@ -122,7 +126,7 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
     """
     by_meaning = Stated()
     for number, line in enumerate(islice(lines, _MAX_LINES), start=start):
-        text = line.strip().lstrip("#%;!\\*/ \t").strip()
+        text = line.translate(_WIDE_MARKS).strip().lstrip("#%;!\\*/ \t").strip()
         if not text or len(line) > _MAX_LINE_LENGTH or _CAMERA.search(text):
             continue
         text = re.sub(r"\b(?:d?x\s*=\s*d?y)\s*(?==)", "step ", text)  # "dx = dy = 2 µm"
@@ -324,9 +328,8 @@ def _parts() -> re.Pattern[str]:
 @cache
 def _meaning(key: str) -> str | None:
     """Return the meaning of a key: a word, or composed of such; None for an unknown key."""
-    name = (
-        re.sub(r"[\s_-]+|(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", key).strip().strip('"').lower()
-    )
+    apart = re.sub(r"[\s_-]+|(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", key)
+    name = apart.strip().strip('"').lower().removeprefix("1 ")  # "1 pixel = 0.4 µm"
     parts = {_PART[part] for part in _parts().findall(name[:_MAX_PHRASE])} - {"none"}
     bare_name = _parts().sub(lambda part: part[0] * (_PART[part[0]] != "none"), name[:_MAX_PHRASE])
     is_phrase = len(name) < _MAX_PHRASE and not re.search(r"\w", _parts().sub("", name))
@@ -366,8 +369,9 @@ def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Stateme
                 yield "lateral_unit", Statement(of_counts)
             yield from _parse_numbers(meaning, match, unit or of_counts, sign)
         return
-    if meaning == "shape" and axes == "xy":  # of NumPy: rows first
-        axes = "yx"
+    axes = axes[::-1] if meaning == "shape" else axes  # of NumPy: rows first
+    order = _UNKNOWN_ORDER.search(key)
+    is_known = order is None or is_length(order[1])
     sides[-1] = re.sub(r"(?<=[^\W\d])(?:²|\^?2)$", "", sides[-1])  # "0.4 x 0.6 µm²"
     units = [_PER_PIXEL.sub("", NUMBER.sub("", side, count=1).strip()) for side in sides]
     common = units[1] or unit
@@ -379,7 +383,7 @@ def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Stateme
     form = form if kinds == first_kinds else "-"  # "2 µm, binned to 4 µm"
     texts = [side if unit_text else f"{side} {common}" for side, unit_text in zip(sides, units, strict=True)]
     numbers = [number for text in texts if (number := NUMBER.match(text))]
-    is_whole = form != "-" and len(sides) == len(numbers) == 2
+    is_whole = is_known and form != "-" and len(sides) == len(numbers) == 2
     for axis, number in zip(axes, numbers, strict=True) if is_whole else ():
         yield from _parse_numbers(form.format(axis), number, unit, sign)
 
@@ -400,6 +404,8 @@ def _strip_sides(key: str, value: str) -> tuple[str, str, str]:
     names = [*(order.groups() if order else ()), *labels][-2:]
     is_x = re.compile(f"d?(?:{_SIDES['x']})", re.IGNORECASE).fullmatch
     axes = "".join("x" if is_x(name) else "y" for name in names)
+    if sorted(map(str.lower, names)) == ["h", "v"]:  # beside a vertical side h is the horizontal one
+        axes = "".join("x" if name in "hH" else "y" for name in names)
     if axes not in ("xy", "yx"):
         return key, value, "xy"
     if order and not bare_key.strip():
