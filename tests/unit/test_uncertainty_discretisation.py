@@ -52,6 +52,18 @@ def test_the_correction_leads_nearer_to_a_finer_solution():
         assert np.median(error_corrected[name]) < 0.7 * np.median(error_plain[name]), name
 
 
+def test_an_error_by_the_square_of_the_pixel_is_taken_off():
+    coarse = np.array([0.3, -0.02])  # a quarter of it with pixels half as large
+    correction, width = discretisation.extrapolated(AREA, coarse / 4 - coarse)
+    assert coarse + correction == pytest.approx(0.0, abs=1e-15)
+    assert width == pytest.approx(0.75 * np.abs(coarse))
+
+
+def test_a_part_of_a_profile_has_so_many_points_along_it():
+    profile = self_affine((1, 4096), 1.0, (8.0, 64.0), rms_gradient=0.1)
+    assert discretisation.part_around(profile, 100, 1024).shape == (1, 1024)
+
+
 @pytest.mark.parametrize("height", [0.1, 1.0, 4.0])
 def test_the_peak_of_a_needle_is_nearer_to_a_finer_solution_which_is_in_its_interval(height):
     """One point that stands out, by so many rms heights: its peak rises to several times the solved one."""
