@@ -573,6 +573,8 @@ ALONE = {"overview"}  # of intervals
 NOT_NEUTRAL = {
     FREE: {LAYERS},  # further positions of a body with layers are not solved
     "contact.bodies.base": {LAYERS},
+    # single points, which members of a tolerance of 1e-3 close or not, are a hundredth of their area
+    "composite": {"instrument.noise", "instrument.tip_radius"},
     "instrument.correct": {"instrument.noise", "instrument.tip_radius"},  # they limit what is corrected
 }
 # of members, which are solved less exactly
@@ -581,6 +583,7 @@ ENDINGS = ("lower", "upper", "uncertainty", "estimate", "components", "parts", "
 
 def by_members(name):
     """Whether a number is corrected, or of an interval, in which finer pixels and parts have a share."""
+    name = re.sub("_after$|_after(?=_(lower|upper)$)", "", name)
     return name.startswith("local_") or name.endswith((*ENDINGS, *HEADLINE, "max_pressure_over_modulus"))
 
 

@@ -1,5 +1,7 @@
 """Bodies that creep under a constant load: against a viscoelastic body stepped in time, and elastic ones."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -8,8 +10,12 @@ import roughcontact as rc
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.relaxation import Relaxation
 from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.interface.command_line.answers import solution
+from roughcontact.interface.command_line.solving import solve_file
 from roughcontact.kernels.fourier import wavenumbers
 from roughcontact.report.tables import creep_table
+from roughcontact.results.collect import collect_statistics, summary_table
+from roughcontact.results.storage import write_dataset
 
 POLYMER = {"youngs_modulus": "3 GPa", "poissons_ratio": 0.4, "thermal_conductivity": 0.3}
 CREEPING = POLYMER | {"creep_modulus": {"1 h": "2.1 GPa", "10 years": "1.4 GPa"}}
@@ -132,3 +138,29 @@ SERIES = {"long_time_modulus": "1 MPa", "moduli": ["2 MPa"], "times": [1.0]}
 def test_what_says_no_time_or_no_modulus_is_refused(bodies, further, words):
     with pytest.raises(rc.SettingsError, match=words):
         resolve({"contact": {"bodies": bodies} | further})
+
+
+def test_each_exit_has_what_has_crept_with_its_time(tmp_path):
+    """Screen, JSON and table of one result, and that of cases with unlike times."""
+    body, path = {"youngs_modulus": 3e9, "poissons_ratio": 0.4}, tmp_path / "map.nc"
+    heights = rc.self_affine_surface((24, 24), 1e-6, hurst=0.8, shortest=4e-6, longest=24e-6, rms_height=2e-7)
+    heights.to_netcdf(path)
+    entries, results = [], {}
+    for case, moduli in {"early": {"60": 2.5e9, "3600": 2e9}, "late": {"3600": 2e9, "7200": 1.8e9}}.items():
+        contact = {"bodies": [body | {"creep_modulus": moduli}, body], "mean_pressure": [2e6]}
+        settings = resolve({"contact": contact, "uncertainty": {"sources": ["solver"]}})[""]
+        results[case], statistics = solve_file(path, {}, settings)
+        write_dataset(statistics, tmp_path / f"{case}.nc")
+        entries.append({"surface": "a", "case": case, "statistics": tmp_path / f"{case}.nc"})
+    result, time = results["late"], 3600.0
+    gap = float(statistics["mean_gap_after"].sel(time=time)[0])
+    assert result["loads"][0]["after"][0]["time"] == time
+    assert result["loads"][0]["after"][0]["mean_gap_after"] == gap
+    assert re.search(r"after .*mean gap.*\n.*at once.*\n.*60 min .*\n.*2 h ", solution(result, statistics))
+    together = collect_statistics(entries)
+    assert together["time"].values.tolist() == [60.0, 3600.0, 7200.0]
+    frame = summary_table(together).set_index("case")
+    assert frame.loc["late", "mean_gap_after_3600s_m"] == gap
+    assert frame.loc["early", "mean_gap_after_3600s_m"] == pytest.approx(gap, rel=1e-12)
+    assert frame.loc["early", "mean_gap_after_60s_m"] > gap
+    assert np.isnan(frame.loc["late", "mean_gap_after_60s_m"])

@@ -160,7 +160,7 @@ class KindFacts:
         for name, value in _one_by_one(settings):
             text = f"{name} = {value!r}"
             if value != usual.get(name) and (reason := self.reason_against(text, properties)):
-                yield name, f" = {value!r}: {reason}"
+                yield name, f" = {_as_stated(value)!r}: {reason}"
 
 
 @dataclass(frozen=True)
@@ -266,6 +266,13 @@ FINITE_BODY = FiniteBodyFacts(
         "contact.zero_frequency": "the approach of a finite body is absolute; leave it out",
         "statistics.joint.area": "resistances of a finite body are over the area of its map; divide by that, "
         "and leave the area out",
+        **dict.fromkeys(
+            [
+                f"statistics.joint.{key}"
+                for key in ("heat_flow", "allowed_resistance", "allowed_temperature_drop")
+            ],
+            "is of a joint with an area, and a body of finite size has that of its map; leave it out",
+        ),
         "contact.precision": "finite bodies are solved in double precision; leave it out",
         "window": _PERIODIC,
         "wear": _PERIODIC,
@@ -346,6 +353,13 @@ def facts_of_settings(settings: Mapping[str, Any]) -> KindFacts:
         section if isinstance(section := settings.get(name), Mapping) else {} for name in ("form", "contact")
     )
     return next((facts for facts in KIND_FACTS if facts.is_stated(form, contact)), PERIODIC_MAP)
+
+
+def _as_stated(value: Any) -> Any:
+    """Return a value as settings state it: of a group what is given, and true for no load in particular."""
+    if isinstance(value, Mapping):
+        return {key: entry for key, entry in value.items() if entry is not None}
+    return True if value == [] else value
 
 
 def _one_by_one(settings: Mapping[str, Any], where: str = "") -> Iterator[tuple[str, Any]]:

@@ -1,6 +1,7 @@
 """All surfaces (and cases) of a run in one dataset and one table."""
 
 import json
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -93,6 +94,11 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
             for dim, size in zip(array.dims, array.values.shape, strict=True):
                 sizes[dim] = max(size, sizes.get(dim, 0))
             dims[name] = array.dims
+    # times of creep may differ from case to case: each has its own place
+    times = sorted(
+        {time for arrays in datasets.values() if "time" in arrays for time in arrays["time"].values}
+    )
+    sizes |= dict.fromkeys(["time"] * bool(times), len(times))
     columns = {}
     for name, names_of_dim in dims.items():
         # the coordinate of a dimension cannot vary by surface
@@ -102,12 +108,12 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in names_of_dim)), np.nan)
         for position, arrays in datasets.items():
             if name in arrays:
-                block = arrays[name].values
-                corner: tuple[int | slice, ...] = (*position, *(slice(size) for size in block.shape))
-                values[corner] = block
+                places = _places(arrays, name, times)
+                values[(*position, ...)][places] = arrays[name].values
         # depths differ from surface to surface: a coordinate, no dimension
         columns["profile_depth" if name == "depth" else name] = (("case", "surface", *names_of_dim), values)
-    result = xr.Dataset(columns, coords=_labels("surface", surfaces))
+    coordinates = _labels("surface", surfaces) | dict.fromkeys(["time"] * bool(times), times)
+    result = xr.Dataset(columns, coords=coordinates)
     result = result.set_coords([name for name in _COORDINATES if name in columns])
     for name, label_kind in _COMMON_LABELS.items():
         if name in sizes:
@@ -130,6 +136,15 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     if cases == [None]:
         return result.isel(case=0)
     return result.assign_coords(_labels("case", cases))
+
+
+def _places(arrays: Mapping[str, Array], name: str, times: Sequence[float]) -> tuple[Any, ...]:
+    """Return where the values of a surface stand: from the beginning, but each time of creep at its own."""
+    array = arrays[name]
+    return tuple(
+        np.searchsorted(times, arrays["time"].values) if dim == "time" else slice(size)
+        for dim, size in zip(array.dims, array.values.shape, strict=True)
+    )
 
 
 def _labels(dim: str, names: Sequence[str | None]) -> dict[str, Any]:
@@ -258,7 +273,9 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     columns = statistics[names].reset_coords().to_dataframe(dim_order=order).reset_index()
     labels = [dim for dim in ("case", "surface") if f"{dim}_name" in statistics.coords]
     frame = pd.DataFrame({dim: statistics[f"{dim}_name"].values[columns[dim]] for dim in labels})
-    units = {name: (VARIABLES.get(name) or VARIABLES[name.partition("_from_")[0]])[0] for name in names}
+    # of a source, or of a time
+    variables = {name: re.sub(r"_from_\w+$|_[\d.e+-]+s$", "", name) for name in names}
+    units = {name: (VARIABLES.get(name) or VARIABLES[variable])[0] for name, variable in variables.items()}
     numbers = {column_name(name, unit): columns[name].to_numpy() for name, unit in units.items()}
     frame = pd.concat([frame, pd.DataFrame(numbers)], axis="columns")
     real = np.isfinite(columns["mean_pressure"].to_numpy())
@@ -292,7 +309,18 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
 
 
 def _add_budget_columns(statistics: xr.Dataset) -> xr.Dataset:
-    """Return the statistics with the error budget as columns: combined, and of the area by source."""
+    """Return the statistics with the error budget as columns: combined, and of the area by source.
+
+    What has crept has columns of each time.
+    """
+    if "time" in statistics.dims:
+        crept = [name for name, variable in statistics.items() if "time" in variable.dims]
+        after = {
+            f"{name}_{time:.12g}s": statistics[name].isel(time=index, drop=True)
+            for index, time in enumerate(statistics["time"].values)
+            for name in crept
+        }
+        statistics = statistics.drop_dims("time").assign(after)
     if "source" not in statistics.dims:
         return statistics
     columns = {

@@ -182,8 +182,11 @@ def _mistakes_in_statistics(settings: Mapping[str, Any]) -> Iterator[SettingsErr
     for key in ("thermal_conductivity", "electrical_resistivity"):
         if any(body[key] for body in contact["bodies"] or ()):
             given_keys.add(key)
+    facts = facts_of_settings(settings)
     for key, prerequisites, text in _NEEDS:
-        if key in given_keys and not given_keys & {*prerequisites}:
+        # what is excluded needs nothing
+        excluded = any(facts.reason_against(f"statistics.{name}") for name in (key, key.partition(".")[0]))
+        if key in given_keys and not given_keys & {*prerequisites} and not excluded:
             yield _mistake(f"statistics.{key}", f": {text}")
     if statistics["stress"] == "always" and not contact["bodies"]:
         yield _mistake("statistics.stress", " = 'always': needs contact.bodies, for their Poisson's ratios")

@@ -27,7 +27,7 @@ from roughcontact.report.glance import (
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import group_cells
 from roughcontact.report.methods import interval_measurand
-from roughcontact.report.tables import number_tables
+from roughcontact.report.tables import creep_table, number_tables
 from roughcontact.uncertainty.groups import is_range
 
 _TABLE_WIDTH = 130
@@ -73,6 +73,7 @@ def solution(result: Mapping[str, Any], statistics: xr.Dataset) -> str:
             *_lines([("answer", answer_line(numbers, len(flags) - 1, rows[-1])), *lines]),
             "",
             *answers(numbers, rows, flags),
+            *_crept(numbers),
             "",
             *_lines(remarks),
         ]
@@ -94,6 +95,13 @@ def answers(
     ]
     table = _table([*compress(headings, judged)], [[*compress(row, judged)] for row in rows], flags)
     return [*table, *_lines([(NOT_JUDGED, "; ".join(unanswered))])]
+
+
+def _crept(numbers: xr.Dataset) -> list[str]:
+    """Return the lines of the table of what the contact has become, where a body creeps."""
+    if not (crept := creep_table(numbers, range(numbers.sizes["load"]))):
+        return []
+    return ["", *_table(crept["header"], [[Cell(text) for text in row] for row in crept["rows"]])]
 
 
 def _lines(named: Iterable[tuple[str, str]]) -> list[str]:

@@ -24,6 +24,7 @@ from roughcontact.surface.window.band import shortest_reliable_wave
 from roughcontact.uncertainty.groups import group_statistics, is_range
 
 # attributes of the levelled map on removed and filled points
+_CREPT = ("load", "time")  # dimensions of what a contact has become
 _LEVELLED = (
     *("form", "outliers_rejected", "filled_points", "filled_share", "largest_hole"),
     *("line_alignment", "row_jitter"),
@@ -139,21 +140,33 @@ def _plain_numbers(
     variables = {str(name): variable for name, variable in statistics.variables.items()}
     # the verdicts stand below in words
     names = [name for name in variables if not name.endswith("verdict")]
-    surface, per_load = ([n for n in names if variables[n].dims == dims] for dims in ((), ("load",)))
+    surface, per_load, crept = (
+        [name for name in names if variables[name].dims == dims] for dims in ((), ("load",), _CREPT)
+    )
     uncertain = [name for name in names if name.endswith("_uncertainty")]
     by_source = {name: variables[name].values.tolist() for name in uncertain}
     sources = variables["source"].values.tolist() if uncertain else []
     loads = [
         {name: variables[name].values[index].item() for name in per_load}
         | {name: dict(zip(sources, by_source[name][index], strict=True)) for name in uncertain}
+        | _after(variables, index)
         | {"flags": flag, "verdict": verdict, "reasons": reasons}
         for index, (flag, (verdict, reasons)) in enumerate(zip(flags, verdicts, strict=True))
     ]
     return {
         "surface": {name: float(variables[name]) for name in surface},
         "loads": loads,
-        "units": {name: VARIABLES[name][0] for name in (*surface, *per_load, *uncertain)},
+        "units": {name: VARIABLES[name][0] for name in (*surface, *per_load, *uncertain, *crept)},
     }
+
+
+def _after(variables: Mapping[str, xr.Variable], load: int) -> dict[str, Any]:
+    """Return what a load has become after each time of creep, nothing where no body creeps."""
+    if not (crept := {name: entry.values[load] for name, entry in variables.items() if entry.dims == _CREPT}):
+        return {}
+    times = variables["time"].values.tolist()
+    rows = [{name: float(row[index]) for name, row in crept.items()} for index in range(len(times))]
+    return {"after": [{"time": time, **row} for time, row in zip(times, rows, strict=True)]}
 
 
 @contextmanager
