@@ -227,6 +227,20 @@ def test_numbers_may_carry_their_unit(capsys, small):
     assert contact["mean_pressure"] == [1e6, 5e5]
 
 
+def test_one_command_says_whether_a_seal_holds_and_writes_what_the_table_needs(capsys, small, tmp_path):
+    words = ["--body", "NBR", "--body", "steel", "--mean-pressure", "0.5 MPa", "2 MPa", *NO_BUDGET]
+    seal = ["viscosity=1 mPa s", "pressure_difference=0.1 MPa", "width=1 mm", "perimeter=0.1"]
+    allowed = ["--seal", "allowed_leak=1 l/h", "--allowed-pressure", "1 GPa"]
+    code, out, _ = said(capsys, "solve", small, *words, "--seal", *seal, *allowed)
+    answer = " ".join(out.split())
+    assert code == 0
+    assert "Leak of at most 1000 ml/h: " in answer
+    assert "Largest pressure of at most 1000 MPa: " in answer
+    result = str(tmp_path / "result.nc")
+    assert said(capsys, "solve", small, *words, "--flow", "always", "-o", result)[0] == 0
+    assert "pressure_flow_factor_x" in said(capsys, "table", result)[1]
+
+
 def test_solve_says_how_far_the_numbers_may_be_off(capsys, small):
     options = ["solve", small, "--contact-modulus", "1e9", "--relative-pressure", "0.05", "--threads", "1"]
     code, out, _ = said(capsys, *options, "--json")

@@ -208,6 +208,23 @@ def test_the_ends_at_a_gap_are_those_of_a_curve_moved_along_it():
     assert float(table["shear_flow_factor_x_lower"][0]) == 0
 
 
+def test_an_interval_from_the_closed_gap_to_faces_far_apart_is_none():
+    """A gap that may be that of either load, or of none, tells nothing of flow and pressure."""
+    rows = {"mean_gap": [4e-7, 2e-7], "mean_gap_lower": [5e-8, 3e-8], "mean_gap_upper": [9e-7, 8e-7]}
+    rows |= {"mean_pressure": [1e6, 4e6], "contact_stiffness": [1e12, 4e12], "approach": [1e-6, 8e-7]}
+    rows |= {"relative_contact_area": [0.01, 0.04], "conductance_per_conductivity": [10.0, 40.0]}
+    rows |= {"relative_contact_area_lower": [0.008, 0.03], "relative_contact_area_upper": [0.02, 0.05]}
+    for axis in "xy":
+        rows |= {f"flow_factor_{axis}{axis}": [0.9, 0.8], f"shear_flow_{axis}": [0.2, 0.3]}
+    statistics = xr.Dataset({name: ("load", values) for name, values in rows.items()})
+    table = tabulate_by_gap(statistics.assign(rms_height=3e-7))
+    for name in ("pressure_flow_factor_x", "shear_flow_factor_y", "mean_pressure"):
+        assert table[name].notnull().all()
+        assert table[f"{name}_lower"].isnull().all()
+        assert table[f"{name}_upper"].isnull().all()
+    assert table["relative_contact_area_upper"].notnull().all()
+
+
 def test_a_pressure_is_possible_at_a_gap_where_the_gap_is_possible_at_that_pressure():
     """Intervals of the table at a gap and of the statistics at a load say the same; none is impossible."""
     window = rc.periodic_window(rc.level(rc.read_height_map("data_samples/ground.txt")))

@@ -211,7 +211,7 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell], *, alone
             verdict = "" if cell.outcome == cells[0].outcome else VERDICTS.get(cell.outcome, "")
             known = [*details, *known, verdict]
         else:  # the interval alone; beside a yes or no the number behind it
-            known = [details[0].split(", ")[0] if subject else details[0], *known]
+            known = [*(part.split(", ")[0] if subject else part for part in details[:1]), *known]
         precision = ", ".join(filter(None, known))
         words.append(f"{subject}{cell.text}{f' ({precision})' if precision else ''}")
     line = "; ".join([f"at {cells[0].text}: {', '.join(words)}", *repeated])
