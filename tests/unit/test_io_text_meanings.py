@@ -68,6 +68,11 @@ def test_an_error_of_heights_has_no_unit_of_theirs(refused):
     refused(f"{STEPS}Height error [nm]\n{ROWS}", "does not say the unit of its heights .*Height error")
 
 
+def test_an_abbreviation_before_a_number_names_no_columns(refused):
+    profile = "\n".join(f"{row} {0.5 * row} {height}" for row, height in enumerate(ONE.ravel(), 1))
+    refused(f"# Measurement no.: 17\n{profile}", "name the columns in a line above them, as x, z1, z2")
+
+
 def test_words_behind_decimal_commas_lose_no_point(read):
     rows = cells(points(ONE, 0.5, 0.25), " ").replace(".", ",").splitlines()
     is_right(read("X Y Z status\nµm µm nm\n" + "\n".join(f"{row} ok" for row in rows)), ONE)

@@ -11,7 +11,7 @@ from roughcontact.io.vocabulary import meanings, pattern, words
 
 _MAX_LINE_LENGTH = 4096  # characters of a line of headings
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
-_ENTRY = re.compile(r"[^\W\d]\s*[:=]\s*[-+.]?\d")  # a number behind a word: no heading
+_ENTRY = re.compile(r"[^\W\d][.)\]]?\s*[:=]\s*[-+.]?\d")  # a number behind a word: no heading
 # before the names
 _LABEL = re.compile(r"(?:columns?|fields|spalten|colonnes)\b\s*[:=]?\s+(?!\d)", re.IGNORECASE)
 # above a matrix, as ``Height (nm)``
