@@ -483,3 +483,10 @@ def test_unload_names_loads_or_the_largest():
         for value in (True, False, "5 MPa", ["5 MPa", 1e7])
     ]
     assert read == [[], None, [5e6], [5e6, 1e7]]
+
+
+def test_a_decimal_comma_of_a_number_without_unit_is_no_unit():
+    with pytest.raises(
+        SettingsError, match=r"relative_pressure\[1\] = '0,2': write a decimal point, not a comma"
+    ):
+        resolve({"contact": {"contact_modulus": 1e9, "relative_pressure": ["0.1", "0,2"]}})

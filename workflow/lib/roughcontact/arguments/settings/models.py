@@ -52,7 +52,10 @@ def _without_sign(value: Any, *, sign: str) -> Any:
 def _relative_load(value: Any) -> Any:
     """Reject a pressure, with or without its unit, for a load relative to the modulus."""
     if carries_unit(value):
-        raise ValueError("has no unit; a load with one is mean_pressure")
+        comma = "," in value  # as in 0,1
+        raise ValueError(
+            "write a decimal point, not a comma" if comma else "has no unit; a load with one is mean_pressure"
+        )
     if _MAX_RELATIVE < bare_number(value) < math.inf:
         raise ValueError(
             "is in units of E* x rms gradient, in which contact is full from about 1 on; did you mean "
