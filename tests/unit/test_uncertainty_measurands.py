@@ -17,23 +17,32 @@ QUANTITIES = ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact
 SETTINGS = {"window": {}, "contact": {"contact_modulus": 1.0, "mean_pressure": [0.02, 0.1]}}
 
 
-@pytest.mark.parametrize("measurand", ["", "next_", "map_", "joint_"])
-def test_waves_of_the_band_that_the_instrument_hides_belong_to_every_measurand(measurand):
-    area, gap, nothing = np.array([0.05]), np.array([1e-7]), (np.zeros(1), np.zeros(1))
-    arms = {key: {AREA: nothing, GAP: nothing} for key in (*MEASURANDS, JOINT)}
-    equal_members = Scatter({GAP: gap[None]}, arms=arms)  # all places give the same
-    hidden = one_sided(np.array([-0.3]))  # a tip: the true area is smaller
-    columns = interval_columns(
-        Result(xr.DataArray(), {"mean_pressure": [0.01]}, {AREA: area, GAP: gap}),
-        {AREA: area, GAP: gap},
-        {AREA: to_scale(AREA, area), GAP: to_scale(GAP, gap)},
-        {"unresolved": {AREA: hidden}},
-        scatter=equal_members,
+def columns_of(area, gap, members, components):
+    """Return the intervals of an area and a gap (m) at one load, where other places differ by nothing."""
+    values, nothing = {AREA: np.array([area]), GAP: np.array([gap])}, (np.zeros(1), np.zeros(1))
+    arms = {key: dict.fromkeys(values, nothing) for key in (*MEASURANDS, JOINT)}
+    return interval_columns(
+        Result(xr.DataArray(), {"mean_pressure": [0.01]}, values),
+        values,
+        {name: to_scale(name, value) for name, value in values.items()},
+        components,
+        scatter=Scatter({GAP: np.array(members)[:, None]}, arms=arms),
         octave={},
     )
+
+
+@pytest.mark.parametrize("measurand", ["", "next_", "map_", "joint_"])
+def test_waves_of_the_band_that_the_instrument_hides_belong_to_every_measurand(measurand):
+    hidden = one_sided(np.array([-0.3]))  # a tip: the true area is smaller
+    columns = columns_of(0.05, 1e-7, [1e-7], {"unresolved": {AREA: hidden}})
     lower, upper = (columns[f"{AREA}_{measurand}{side}"][1] for side in ("lower", "upper"))
-    np.testing.assert_allclose(lower, from_scale(AREA, to_scale(AREA, area) - 0.3), rtol=1e-12)
-    np.testing.assert_allclose(upper, area, rtol=1e-12)
+    np.testing.assert_allclose(lower, from_scale(AREA, to_scale(AREA, 0.05) - 0.3), rtol=1e-12)
+    np.testing.assert_allclose(upper, 0.05, rtol=1e-12)
+
+
+def test_a_closed_gap_may_be_as_open_as_that_of_a_part_of_the_map():
+    columns = columns_of(1.0, 0.0, [0.0, 2e-9], {})
+    assert [columns[f"{GAP}_{side}"][1].item() for side in ("lower", "upper")] == [0.0, 2e-9]
 
 
 def test_without_other_places_there_is_no_interval_for_them():
