@@ -10,7 +10,9 @@ import roughcontact as rc
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.relaxation import Relaxation
 from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.evaluation.creep import moduli_after
 from roughcontact.interface.command_line.answers import solution
+from roughcontact.interface.command_line.options import parse_bodies
 from roughcontact.interface.command_line.solving import solve_file
 from roughcontact.kernels.fourier import wavenumbers
 from roughcontact.report.tables import creep_table
@@ -138,6 +140,15 @@ SERIES = {"long_time_modulus": "1 MPa", "moduli": ["2 MPa"], "times": [1.0]}
 def test_what_says_no_time_or_no_modulus_is_refused(bodies, further, words):
     with pytest.raises(rc.SettingsError, match=words):
         resolve({"contact": {"bodies": bodies} | further})
+
+
+def test_a_creep_modulus_is_stated_on_the_command_line():
+    texts = [["3GPa", "0.4", "creep_modulus=1 h: 2.1 GPa, 10 years: 1.4 GPa"], ["rigid"]]
+    contact = resolve({"contact": {"bodies": parse_bodies(texts), "mean_pressure": 1e6}})[""]["contact"]
+    assert [*moduli_after(contact)] == [3600.0, 315576000.0]
+    texts[0][-1] = "creep_modulus=2.1 GPa"
+    with pytest.raises(rc.SettingsError, match=r"bodies\[0\]\.creep_modulus"):
+        resolve({"contact": {"bodies": parse_bodies(texts), "mean_pressure": 1e6}})
 
 
 def test_each_exit_has_what_has_crept_with_its_time(tmp_path):

@@ -64,7 +64,8 @@ def add_body(parser: ArgumentParser | _ArgumentGroup) -> None:
         metavar=("NAME | E NU", "H | KEY=VALUE"),
         help="name of a material (steel, NBR), or Young's modulus (Pa), Poisson's ratio and, if known, "
         "hardness (Pa) of one body; give it twice; units are allowed: 210GPa 0.3 2GPa. Other properties by "
-        "their keys, electrical_resistivity=1.7e-8; layers, the outermost first: layer=THICKNESS,E,NU or "
+        "their keys, electrical_resistivity=1.7e-8, creep_modulus='1 h: 2 GPa, 10 years: 1 GPa'; layers, "
+        "the outermost first: layer=THICKNESS,E,NU or "
         "layer=THICKNESS,NAME",
     )
 
@@ -102,6 +103,9 @@ def parse_bodies(texts: Sequence[Sequence[str]]) -> list[str | dict[str, Any]]:
             )
         plain = [argument for argument in text if not argument.startswith("layer=")]
         body: dict[str, Any] = keyed("--body", plain, names=_BODY, by_name=("material",))
+        if "creep_modulus" in body:
+            entries = (entry.partition(":") for entry in body["creep_modulus"].strip("{} ").split(","))
+            body["creep_modulus"] = {time.strip(): modulus.strip() for time, _, modulus in entries}
         if layers := [
             argument.removeprefix("layer=").split(",") for argument in text if argument.startswith("layer=")
         ]:
