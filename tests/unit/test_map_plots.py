@@ -1,8 +1,10 @@
 """Pictures of maps and profiles, read back: extent, colours, frame of the window, what is out of range."""
 
+import gc
 import html
 import json
 import re
+import weakref
 from urllib.parse import unquote
 
 import numpy as np
@@ -129,3 +131,16 @@ def test_profiles_are_lines_along_their_length(shape, axis):
     assert load.lines[0].colour == COLOURS[1]
     assert load.lines[0].y == pytest.approx(3.0 * np.arange(60), abs=1)
     assert "pressure (MPa)" in load.texts
+
+
+def test_what_is_drawn_is_not_kept():
+    """Garbage is looked for rarely, and each map that lives on takes as much memory as the one drawn."""
+    chart = map_plots.height_map(rough((32, 32), 1e-6))
+    (values,) = (weakref.ref(step["values"]) for name, step in chart.steps if name == "values")
+    gc.disable()
+    try:
+        assert chart.source()
+        del chart
+        assert values() is None
+    finally:
+        gc.enable()

@@ -285,6 +285,8 @@ class Chart:
             "size": (self.size[0], self.size[1] + rows),
             "legend": legend,
             "outlines": _OUTLINES,
+            # without the array of a map: what a template is given lives on until garbage is looked for
+            "steps": [step for step in self.steps if step[0] != "values"],
             # the double quotes of JSON take less room as they are
             "reading": reading.replace("'", "&#39;"),
         }
