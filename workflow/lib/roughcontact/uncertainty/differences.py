@@ -211,8 +211,8 @@ def _at_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[x
 
 def _value(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarray:
     """Return a quantity (load) on its scale; of this place alone without what an overview shows of others."""
-    alone = data.get(f"{name}_alone", data[name])  # NaN of a map beside others with an overview
-    return to_scale(name, (alone.fillna(data[name]) if of_place else data[name]).values)
+    fine_map = data.get(f"{name}_alone", data[name])  # NaN of a map beside others with an overview
+    return to_scale(name, (fine_map.fillna(data[name]) if of_place else data[name]).values)
 
 
 def _widths(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarray:
@@ -234,8 +234,8 @@ def _reach(
 ) -> list[np.ndarray]:
     """Return how far the ends of an interval lie below and above its value (load), on the scale."""
     middle = _value(name, data, of_place=of_place)
-    ends = [to_scale(name, data.get(f"{name}{suffix}", data[name] * np.nan).values) for suffix in endings]
-    return [middle - ends[0], ends[1] - middle]
+    bounds = [to_scale(name, data.get(f"{name}{suffix}", data[name] * np.nan).values) for suffix in endings]
+    return [middle - bounds[0], bounds[1] - middle]
 
 
 def _of_place(name: str, data: xr.Dataset, components: np.ndarray) -> np.ndarray:
@@ -359,20 +359,22 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
 
 def _judged(comparisons: Mapping[Any, _Compared], relevant: float = RELEVANT) -> dict[Any, xr.Dataset]:
     """Return the comparisons with p-values adjusted for all of them, and with outcomes."""
-    for name in {name for compared in comparisons.values() for name in compared.rows}:
-        family = [compared.rows[name] for compared in comparisons.values() if name in compared.rows]
+    for name in {name for comparison in comparisons.values() for name in comparison.rows}:
+        family = [comparison.rows[name] for comparison in comparisons.values() if name in comparison.rows]
         for row, p_values in zip(family, holm([row["p_value"] for row in family]), strict=True):
             row["p_value"] = p_values
-    for compared in comparisons.values():
-        for name, row in compared.rows.items():
-            outcomes = [_outcome(compared, name, load, relevant) for load in range(compared.load.size)]
+    for comparison in comparisons.values():
+        for name, row in comparison.rows.items():
+            outcomes = [_outcome(comparison, name, load, relevant) for load in range(comparison.load.size)]
             row["outcome"] = np.array(outcomes, object)
-    return {key: compared.table((*_RATIOS, "p_value", "outcome")) for key, compared in comparisons.items()}
+    return {
+        key: comparison.table((*_RATIOS, "p_value", "outcome")) for key, comparison in comparisons.items()
+    }
 
 
-def _outcome(compared: _Compared, name: str, load: int, relevant: float) -> str:
+def _outcome(comparison: _Compared, name: str, load: int, relevant: float) -> str:
     """Return whether the groups differ in a quantity under a load, in words."""
-    numbers = {key: float(column[load]) for key, column in compared.rows[name].items() if key != "outcome"}
+    numbers = {key: float(column[load]) for key, column in comparison.rows[name].items() if key != "outcome"}
     _, low, high = (numbers[key] for key in _RATIOS)
     if not np.isfinite([low, high, numbers["p_value"]]).all():
         return "inconclusive: no interval"
@@ -380,7 +382,7 @@ def _outcome(compared: _Compared, name: str, load: int, relevant: float) -> str:
         return DIFFER
     if (largest_ratio := max(1 - low, high - 1)) <= relevant:
         return f"do not differ by more than {percent(max(largest_ratio, _MIN_DIFFERENCE))}"
-    return f"inconclusive: {_what_decides(compared, name, numbers, relevant)}"
+    return f"inconclusive: {_what_decides(comparison, name, numbers, relevant)}"
 
 
 def _what_decides(comparison: _Compared, name: str, numbers: Mapping[str, float], relevant: float) -> str:
@@ -455,9 +457,9 @@ def _deviations(name: str, data: xr.Dataset) -> np.ndarray:
     return values - (values.mean(axis=0) if len(values) else 0.0)
 
 
-def _unshared_half_widths(both: Sequence[np.ndarray], correlation: np.ndarray) -> list[np.ndarray]:
+def _unshared_half_widths(pair: Sequence[np.ndarray], correlation: np.ndarray) -> list[np.ndarray]:
     """Return the half-widths (load,) of a difference, down and up, from two of (load, source, component)."""
-    (a, b), widths = both, []
+    (a, b), widths = pair, []
     for side, opposite in ((0, 1), (1, 0)):
         # of the first error, the side that goes along with this one, and the one that goes against it
         along = np.where(correlation >= 0, a[..., side], a[..., opposite])

@@ -87,10 +87,10 @@ def add_overview_line(statistics: xr.Dataset) -> xr.Dataset:
     at_load = statistics.isel(load=_typical_load(statistics))
     phrases = []
     for name, word, unit in ((GAP, "gap", Unit(1.0, "m")), (AREA, "contact area", Unit(100.0, "%"))):
-        value, *ends = (float(at_load[f"{name}{k}"]) for k in (*ENDS, "_alone_lower", "_alone_upper"))
-        now, before = (precision_in_words(value, low, high, unit) for low, high in (ends[:2], ends[2:]))
-        if now != before:
-            phrases.append(f"{word} known {now} ({before} without the overview)")
+        value, *bounds = (float(at_load[f"{name}{k}"]) for k in (*ENDS, "_alone_lower", "_alone_upper"))
+        now, by_map = (precision_in_words(value, low, high, unit) for low, high in (bounds[:2], bounds[2:]))
+        if now != by_map:
+            phrases.append(f"{word} known {now} ({by_map} without the overview)")
     return statistics.assign_attrs(overview="; ".join(phrases)) if phrases else statistics
 
 

@@ -103,8 +103,8 @@ def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
     >>> student(np.array([0.0, 2.0, 9.0])).round(2)
     array([ nan, 4.3 , 2.26])
     """
-    known = np.where(np.asarray(freedom, float) > 0, freedom, np.nan)
-    return scipy.special.stdtrit(known, (1 + coverage) / 2)
+    positive = np.where(np.asarray(freedom, float) > 0, freedom, np.nan)
+    return scipy.special.stdtrit(positive, (1 + coverage) / 2)
 
 
 def width_of_next(values: np.ndarray) -> np.ndarray:

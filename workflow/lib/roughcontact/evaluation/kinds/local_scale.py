@@ -104,7 +104,7 @@ def _whole_contact(base: PeriodicMap, solution: SolvedMap) -> dict[str, tuple[st
         for kind in ("_estimate", *ENDS[1:])
     )
     # nothing bounds what has no end, nor the conductance of full contact
-    upper = {k: np.where(np.isnan(end) & ~np.isnan(lower[k]), np.inf, end) for k, end in upper.items()}
+    upper = {k: np.where(np.isnan(top) & ~np.isnan(lower[k]), np.inf, top) for k, top in upper.items()}
     lower[CONDUCTANCE] = np.where(estimate[AREA] >= 1, np.inf, lower[CONDUCTANCE])
     values, below = _whole(estimate, smooth), _whole(lower, smooth, flux_as_pressure=True)
     above, as_solved = _whole(upper, smooth), _whole({name: curve[name].values for name in _OF_MAP}, smooth)
@@ -140,11 +140,11 @@ def _whole_contact(base: PeriodicMap, solution: SolvedMap) -> dict[str, tuple[st
             for name, of_ends in of_bodies.items():
                 kind, resistance = name.replace("conductance", "resistance"), 1 / of_ends
                 columns[f"local_{kind}{key}"] = np.where(np.isinf(resistance), np.nan, resistance)
-    for name, (mean, *both) in conductivity_ranges(bodies).items():
+    for name, (mean, *limits) in conductivity_ranges(bodies).items():
         is_thermal = name.startswith("thermal")
         keys = [f"local_{'thermal' if is_thermal else 'electrical'}_resistance{suffix}" for suffix in ENDS]
         if keys[1] in columns:
-            factors = sorted((end / mean) ** (-1 if is_thermal else 1) for end in both)
+            factors = sorted((limit / mean) ** (-1 if is_thermal else 1) for limit in limits)
             columns |= dict(zip(keys[1:], widened([columns[key] for key in keys], factors), strict=True))
     return {name: ("load", column) for name, column in columns.items()}
 
