@@ -155,14 +155,14 @@ class Result(NamedTuple):
             changes[name] = np.where(closes, -np.inf, np.nan_to_num(values - reference))
         return changes
 
-    def changes_of_part(self, before: Values, after: Values) -> dict[str, np.ndarray]:
+    def changes_of_part(self, base: Values, variant: Values) -> dict[str, np.ndarray]:
         """Return the changes (load) on the scales by those of a part of the window (few loads)."""
         changes = {}
-        for name in before:
-            change = to_scale(name, after[name]) - to_scale(name, before[name])
+        for name in base:
+            change = to_scale(name, variant[name]) - to_scale(name, base[name])
             if name in CONSTRICTIONS:  # a length, as the gap beside it
                 with np.errstate(divide="ignore", invalid="ignore"):
-                    change = change * self.values[GAP][self.few] / before[GAP]
+                    change = change * self.values[GAP][self.few] / base[GAP]
             # full contact: nothing is open, nothing changes
             changes[name] = self.extend_to_loads(np.where(np.isfinite(change), change, 0.0))
         return changes
