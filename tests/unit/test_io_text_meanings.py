@@ -68,6 +68,15 @@ def test_an_error_of_heights_has_no_unit_of_theirs(refused):
     refused(f"{STEPS}Height error [nm]\n{ROWS}", "does not say the unit of its heights .*Height error")
 
 
+@pytest.mark.parametrize(
+    "names", ["Posición Y Coordenada X Cota", "Position Y Position X Altitude", "Y pos. X pos. Height"]
+)
+def test_names_of_two_words_between_blanks(read, refused, names):
+    rows = "\n".join(f"{0.25 * j:g} {0.5 * i:g} {ONE[j, i]:g}" for j in range(8) for i in range(10))
+    is_right(read(f"{names}\nµm µm nm\n{rows}"), ONE)
+    refused(f"Position Y Position Altitude\nµm µm nm\n{rows}", "write each name without blanks")
+
+
 def test_an_abbreviation_before_a_number_names_no_columns(refused):
     profile = "\n".join(f"{row} {0.5 * row} {height}" for row, height in enumerate(ONE.ravel(), 1))
     refused(f"# Measurement no.: 17\n{profile}", "name the columns in a line above them, as x, z1, z2")

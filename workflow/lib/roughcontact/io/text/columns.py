@@ -23,6 +23,10 @@ _ROLE = meanings("column") | dict.fromkeys(words("header")["height"], "z")
 _DOTTED = re.compile(r"(\w+)\.+(\w+)\.?")  # as R writes "x (um)"
 _ERROR = pattern("name", "error")  # of heights
 _BESIDE = "|".join(words("beside")["letter"])
+_BLANKS_IN_NAMES = [  # of a word before the letter of an axis, or behind it
+    re.compile(rf"\b((?:{_BESIDE})\.?) ([xyz])\b", re.IGNORECASE),
+    re.compile(rf"\b([xyz]) ((?:{_BESIDE})\.?)(?!\w)", re.IGNORECASE),
+]
 _LETTER = re.compile(rf"(?:{_BESIDE})*([xyz])(?:{_BESIDE})*")  # "posx", "xcoordinate"
 
 
@@ -154,6 +158,14 @@ def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
         cells.pop()
     if len(cells) != count and not has_delimiter:
         cells = re.sub(r"(?<!\s)\s+(?:(?=[(\[])|in\s+)", "\0", text).split()
+    if len(cells) != count and not has_delimiter and not _ENTRY.search(line):  # "Position Y Height"
+        named = [blank.sub("\\1\0\\2", " ".join(cells)).split() for blank in _BLANKS_IN_NAMES]
+        named = [names for names in named if len(names) == count]
+        if len(named) == 2 and named[0] != named[1]:
+            raise InputFileError(
+                f"{line.strip()[:60]!r}: write each name without blanks, or a tab between them"
+            )
+        cells = named[0] if named else cells
     if len(cells) != count or _ENTRY.search(line) or statements([line]):
         return []
     return [cell.replace("\0", " ").strip(' "').rstrip(",;").strip() for cell in cells]
