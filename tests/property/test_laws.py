@@ -116,6 +116,7 @@ NO_NUMBER |= {
     "hertz_approach",
     "hertz_max_pressure",
     "hertz_radius",
+    "mutual_approach",
 }
 NO_NUMBER |= {
     "residual_height",
