@@ -130,7 +130,7 @@ def test_how_a_counter_face_lies_on_the_face():
         ("slope_x", 2e-9, "1", "0"),
         ("curvature_xx", 5e-5, "m-1", "5.00×10⁻⁵ m⁻¹"),
         ("curvature_xx", 4e-5, "m-1", "0 m⁻¹"),
-        ("mean", 1e-14, "m", "0 µm"),
+        ("mean", 1e-14, "m", "0 m"),
         ("radius", 2.5e-3, "m", "2.50 mm"),
         ("axis_angle", -30.0, "degree", "−30.00°"),
     ],

@@ -228,7 +228,7 @@ def test_maps_that_cannot_be_levelled():
         ({"form": "plain"}, "level.form = 'plain': did you mean 'plane'"),
         ({"fill": "harmonics"}, "level.fill = 'harmonics': did you mean 'harmonic'"),
         ({"form": "polynomial", "order": 0}, "level.order = 0"),
-        ({"form": "polynomial", "order": 1.5}, "level.order = 1.5"),
+        ({"form": "polynomial", "order": 1.5}, "order = 1.5: give a whole number"),
         ({"outlier_threshold": -1}, "level.outlier_threshold = -1"),
         ({"max_missing": 1.5}, "level.max_missing = 1.5"),
     ],

@@ -170,7 +170,7 @@ def column_meaning(name: str) -> str:
     Examples
     --------
     >>> column_meaning("height_unit"), column_meaning("noise")
-    ('unit of the heights', 'measurement noise N_M, rms; in m')
+    ('unit of the heights', 'measurement noise N_M, rms; a number alone is in m')
     """
     option = FILE_OPTIONS.get(name.replace("_", "-"), "").replace("--", "").replace("height-", "height_")
     field = Instrument.model_fields.get(name)

@@ -195,7 +195,7 @@ def _check_options(form: str, order: int, line_alignment: str, fill: str, max_mi
     check_choice("level.form", form, LevelForm)
     check_choice("level.line_alignment", line_alignment, LineAlignment)
     check_choice("level.fill", fill, Fill)
-    if form == "polynomial" and (order != int(order) or not 1 <= order <= MAX_ORDER):
+    if form == "polynomial" and not 1 <= order <= MAX_ORDER:
         raise SettingsError(f"level.order = {order!r}: give a whole number from 1 to {MAX_ORDER}")
     if not 0 <= max_missing <= 1:
         raise SettingsError(f"level.max_missing = {max_missing!r}: give a share from 0 to 1")
