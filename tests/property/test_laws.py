@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import Phase, assume, given
+from hypothesis import Phase, assume, example, given
 from hypothesis import settings as examples
 from hypothesis import strategies as st
 from known_surfaces import self_affine
@@ -229,14 +229,17 @@ def solved(window, *, scale=1.0, yields=1.0, energy=1.0, hardness=None, budget=F
     return add_subsurface_yield(result, bodies)
 
 
-def same(actual, expected, name, points=np.inf, core=0.0):
+def same(actual, expected, name, points=np.inf, core=0.0, outside=np.inf):
     """Whether two numbers are one, up to the tolerance of the solution and to rounding.
 
-    Parameters of the curve through the heights of so many points are so beside the height of its `core`.
+    Parameters of the curve through the heights of so many points are so beside the height of its `core`, and
+    those of what lies `outside` of it, a share of the points, to one of these points.
     """
     actual, expected = np.asarray(actual, float), np.asarray(expected, float)
     # of the curve through the sorted heights few are peaks
-    rtol = points**-0.5 + 1e-9 if name in BEARING_PARAMETERS else STATED.get(name, 2e-5)
+    rtol = (
+        points**-0.5 + 1 / (points * outside) + 1e-9 if name in BEARING_PARAMETERS else STATED.get(name, 2e-5)
+    )
     assert actual.shape == expected.shape, name
     scale = np.abs(expected[np.isfinite(expected)]).max(initial=0.0)
     if name in BEARING_PARAMETERS and np.isfinite(points):
@@ -401,8 +404,9 @@ def test_a_map_beside_itself_has_the_same_contact(seed):
 NOT_OF_PROFILES = ("window_length", "contact_clusters", "nayak_parameter", "patch_")
 
 
-@examples(max_examples=3, deadline=None, phases=[Phase.generate])
+@examples(max_examples=3, deadline=None, phases=[Phase.explicit, Phase.generate])
 @given(seed=st.integers(0, 10**6), along=st.sampled_from(["x", "y"]))
+@example(seed=419442, along="x")  # four or five points are its valleys
 def test_a_profile_is_the_surface_that_does_not_vary_across_it(seed, along):
     line = made(seed, shape=(1, 96), pitch=1e-6, lay=0).values
     profile, extruded = line, np.repeat(line, 8, axis=0)
@@ -410,6 +414,7 @@ def test_a_profile_is_the_surface_that_does_not_vary_across_it(seed, along):
     if along == "y":
         profile, extruded = profile.T, extruded.T
     profile_result, extruded_result = (solved(height_map(values, 1e-6)) for values in (profile, extruded))
+    outside = {"Spk": float(extruded_result["Smr1"]), "Svk": 1 - float(extruded_result["Smr2"])}
     for name in numbers(profile_result):
         if not np.isnan(profile_result[name].values.astype(float)).all() and not name.startswith(
             NOT_OF_PROFILES
@@ -420,6 +425,7 @@ def test_a_profile_is_the_surface_that_does_not_vary_across_it(seed, along):
                 name,
                 points=line.size,
                 core=float(extruded_result["Sk"]),
+                outside=max(outside.get(name, np.inf), 1 / line.size),
             )
 
 
