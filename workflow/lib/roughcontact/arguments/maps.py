@@ -123,9 +123,9 @@ def pitches(spacing: float | str | Sequence[float | str]) -> tuple[float, float]
         if any(isinstance(step, bool) for step in steps):
             raise TypeError("a truth value is no length")
         dy, dx = (float(convert_quantity("m", "spacing", step)) for step in steps)
+    except SettingsError:
+        raise
     except (TypeError, ValueError) as error:
-        if isinstance(error, SettingsError):
-            raise
         raise SettingsError(
             f"spacing = {spacing!r}: give the pitch of the points, a number or text with its unit (1.5 um), "
             "or both pitches (dy, dx)",

@@ -10,11 +10,11 @@ import xarray as xr
 
 from roughcontact.arguments import materials
 from roughcontact.arguments.measurement import json_attribute
-from roughcontact.arguments.quantities import Unit, number, percent, pressure_unit, quantity
+from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.contact.dataset import recorded_medium
 from roughcontact.statistics.conductance import knudsen_resistance_ratio
-from roughcontact.statistics.kinds import load_in_words
+from roughcontact.statistics.kinds import load_in_words, unit_of_pressures
 from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
 from roughcontact.statistics.sealing.gas import MIN_INVERSE_KNUDSEN, path_at_mean_pressure
 
@@ -120,7 +120,7 @@ def _hardness_check(statistics: xr.Dataset) -> Check:
     if "first_yield_pressure" in statistics:
         load = " of ".join(load_in_words(float(statistics["first_yield_pressure"]), statistics))
         yield_text = f" First yield at a {load}."
-    bears = f"the hardness of {_pressure_unit(statistics).text(hardness)}"
+    bears = f"the hardness of {unit_of_pressures(statistics).text(hardness)}"
     yields = area_share > 0
     if not yields.any():
         largest = percent(float(statistics["max_pressure"].max()) / hardness)
@@ -275,7 +275,7 @@ def units(statistics: xr.Dataset) -> Check:
     if doubts := [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]:
         text = f"At {len(doubts)} of {loads.size} loads the mean pressure is implausible: "
         return review(text + doubts[0].question())
-    low, high = (_pressure_unit(statistics).text(float(f(loads))) for f in (np.min, np.max))
+    low, high = (unit_of_pressures(statistics).text(float(f(loads))) for f in (np.min, np.max))
     span = low if low == high else f"{low} to {high}"
     return passed(f"{description} and loads of {span} are those of real materials.")
 
@@ -312,14 +312,9 @@ def _temperature_doubt(statistics: xr.Dataset) -> str:
     return ""
 
 
-def _pressure_unit(statistics: xr.Dataset) -> Unit:
-    """Return the unit of the pressures of a surface."""
-    return pressure_unit(float(statistics["contact_modulus"]), float(statistics["mean_pressure"].max()))
-
-
 def _loads(mask: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
     """Return the loads concerned, as the beginning of a sentence."""
-    pressures, unit = statistics["mean_pressure"].values, _pressure_unit(statistics)
+    pressures, unit = statistics["mean_pressure"].values, unit_of_pressures(statistics)
     chosen = pressures[np.asarray(mask)]
     if pressures.size == 1:
         return f"At {unit.text(float(chosen[0]))}"

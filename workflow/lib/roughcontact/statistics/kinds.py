@@ -8,7 +8,7 @@ import xarray as xr
 
 from roughcontact.arguments.finite_body import recover_roughness
 from roughcontact.arguments.kinds import FINITE_BODY, KIND_FACTS, PERIODIC_MAP, KindFacts, facts_of
-from roughcontact.arguments.quantities import pressure_unit, quantity
+from roughcontact.arguments.quantities import Unit, pressure_unit, quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.errors import SettingsError
 from roughcontact.statistics.finite_body import finite_body_columns, hertz_contact
@@ -67,6 +67,11 @@ def reason_without_flow(numbers: Numbers) -> str:
     return "a profile does not tell" if np.isnan(lengths).any() else ""
 
 
+def unit_of_pressures(numbers: Numbers) -> Unit:
+    """Return the unit of the pressures of a surface."""
+    return pressure_unit(float(numbers["contact_modulus"]), float(np.nanmax(numbers["mean_pressure"])))
+
+
 def load_in_words(pressure: float, numbers: Numbers) -> tuple[str, str]:
     """Return name and text of a mean pressure (Pa) as a load: of a body of finite size the force.
 
@@ -77,7 +82,7 @@ def load_in_words(pressure: float, numbers: Numbers) -> tuple[str, str]:
         return "", f"{'below' if yields else 'above'} the loads solved"
     kind, mean = facts_of_numbers(numbers), np.asarray(numbers["mean_pressure"]).flat[0].item()
     load = pressure * np.asarray(numbers[kind.load]).flat[0].item() / mean
-    unit = pressure_unit(float(numbers["contact_modulus"]), float(np.nanmax(numbers["mean_pressure"])))
+    unit = unit_of_pressures(numbers)
     return kind.load_in_words, unit.text(load) if kind.load_unit == "Pa" else quantity(load, kind.load_unit)
 
 

@@ -140,10 +140,8 @@ def components_of_places(
     """
     if levelled is None or not overviews:
         return []
-    fine, overview = (
-        measured_rectangle(levelled),
-        max(overviews, key=lambda field: math.prod(side_lengths(field))),
-    )
+    fine = measured_rectangle(levelled)
+    overview = max(overviews, key=lambda field: math.prod(side_lengths(field)))
     own, _ = own_place(fine, overview, overviews)
     pieces = [own, *(overview.isel(place) for place in windows_of_places(own.shape, overview))]
     windows = [subwindow(relevelled(piece, form_order(fine))) for piece in pieces]

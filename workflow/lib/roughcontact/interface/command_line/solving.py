@@ -23,8 +23,8 @@ from roughcontact.surface.levelling.record import removed_and_filled
 from roughcontact.surface.window.band import shortest_reliable_wave
 from roughcontact.uncertainty.groups import group_statistics, is_range
 
-# attributes of the levelled map on removed and filled points
 _CREPT = ("load", "time")  # dimensions of what a contact has become
+# attributes of the levelled map on removed and filled points
 _LEVELLED = (
     *("form", "outliers_rejected", "filled_points", "filled_share", "largest_hole"),
     *("line_alignment", "row_jitter"),
