@@ -8,7 +8,7 @@ wear coefficient counts only through its product with the distance, so that its 
 distances alone, and with it the distance at which the face is run in.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -19,9 +19,8 @@ from roughcontact.arguments.answers import AREA, CONDUCTANCE, GAP, PEAK, PRESSUR
 from roughcontact.arguments.variables import describe
 from roughcontact.contact.solve import NEAR_HARDNESS
 from roughcontact.statistics.running_in import run_in
-from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.uncertainty.combination import symmetric
-from roughcontact.uncertainty.course import change, components_of_parts, runs_at_ends, with_ends
+from roughcontact.uncertainty.course import change, with_ends
 from roughcontact.uncertainty.inputs import stiffer
 
 DISTANCE = "running_in_distance"
@@ -46,47 +45,44 @@ def worn_in_a_run(
     Its first distance is 0. `{answer}_lower` and `{answer}_upper` are over `sliding_distance`, those of
     `running_in_distance` are numbers, NaN where a part has none.
     """
-    wear, contact = settings["wear"], settings["contact"]
-    run: Callable[..., xr.Dataset] = partial(
-        run_in,
-        wear_coefficient=wear["coefficient"],
-        sliding_distance=[0.0, *wear["distance"]],
-        mean_pressure=mean_pressure,
-        hardness=contact["hardness"],
-        influence=contact["influence"],
-        zero_frequency=contact["zero_frequency"],
-        bodies=contact["bodies"] or None,
-        contact_modulus=None if contact["bodies"] else contact["contact_modulus"],
-        threads=threads,
-    )
-    worn = run(window, tolerance=TOLERANCE, statistics=settings["statistics"])
-    fewer = partial(run, statistics=_ANSWERS_ALONE, **FEW_STEPS)
-    instrument = stated_instrument(window, settings["instrument"])
+    wear, contact, load = settings["wear"], settings["contact"], mean_pressure
 
-    def at_end(
-        part: xr.DataArray, *, contact_modulus: float = 1.0, hardness: float = 1.0, **inputs: float
+    def run(
+        face: xr.DataArray,
+        *,
+        mean_pressure: float = 1.0,
+        contact_modulus: float = 1.0,
+        hardness: float = 1.0,
+        **options: Any,
     ) -> xr.Dataset:
-        """Return the course with inputs so many times as large."""
-        limit, load = contact["hardness"], inputs.get("mean_pressure", 1.0) * mean_pressure
-        changed = {"bodies": stiffer(contact["bodies"], contact_modulus)}
-        if not contact["bodies"]:
-            changed = {"contact_modulus": contact_modulus * contact["contact_modulus"]}
-        if limit:  # a contact of which all yields carries no more
-            changed |= {"hardness": hardness * limit}
-            load = min(load, (1 - 2 * NEAR_HARDNESS) * hardness * limit)
-        return fewer(part, mean_pressure=load, **changed)
+        """Return the course on a face, with inputs so many times as large."""
+        stated = {"mean_pressure": mean_pressure * load}
+        if contact["bodies"]:
+            options["bodies"] = stiffer(contact["bodies"], contact_modulus)
+        else:
+            stated["contact_modulus"] = contact_modulus * contact["contact_modulus"]
+        if contact["hardness"]:
+            stated["hardness"] = hardness * contact["hardness"]
+            if hardness != 1 or mean_pressure != 1:  # a contact of which all yields carries no more
+                stated["mean_pressure"] = min(
+                    stated["mean_pressure"], (1 - 2 * NEAR_HARDNESS) * stated["hardness"]
+                )
+        return run_in(
+            face,
+            wear_coefficient=wear["coefficient"],
+            sliding_distance=[0.0, *wear["distance"]],
+            influence=contact["influence"],
+            zero_frequency=contact["zero_frequency"],
+            threads=threads,
+            **stated,
+            **options,
+        )
 
-    of_parts = components_of_parts(
-        window,
-        fewer,
-        (*ANSWERS, DISTANCE),
-        instrument=instrument,
-        as_measured=as_measured,
-        ends_of_inputs=runs_at_ends(at_end, contact, instrument),
-    )
-    coarse = fewer(window)
-    of_steps = {name: symmetric(np.abs(change(name, coarse, worn))) for name in of_parts}
-    worn = with_ends(worn, [of_parts, of_steps])
+    coarse = partial(run, statistics=_ANSWERS_ALONE, **FEW_STEPS)
+    names = (*ANSWERS, DISTANCE)
+    worn, fewer = run(window, tolerance=TOLERANCE, statistics=settings["statistics"]), coarse(window)
+    of_steps = {name: symmetric(np.abs(change(name, fewer, worn))) for name in names}
+    worn = with_ends(worn, window, coarse, names, settings, as_measured=as_measured, causes=[of_steps])
     worn[f"{DISTANCE}_lower"] /= wear["coefficient_factor"]
     worn[f"{DISTANCE}_upper"] *= wear["coefficient_factor"]
     return describe(worn)

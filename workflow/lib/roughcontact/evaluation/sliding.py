@@ -8,7 +8,7 @@ Waves that the map does not resolve are not in it:
 `friction_share_of_octave` shows what the shortest ones carry.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -20,9 +20,8 @@ from roughcontact.arguments.ranges import ends
 from roughcontact.arguments.variables import describe
 from roughcontact.statistics.precision import widened
 from roughcontact.statistics.sliding import sliding_friction
-from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.uncertainty.combination import symmetric
-from roughcontact.uncertainty.course import components_of_parts, components_of_places, runs_at_ends, with_ends
+from roughcontact.uncertainty.course import with_ends
 from roughcontact.uncertainty.inputs import HARDNESS, INPUTS
 
 ANSWERS = (FRICTION, AREA, PRESSURE, PEAK, GAP)
@@ -48,49 +47,47 @@ def slid_in_a_run(
     part, for the `overviews` around that.
     """
     sliding, statistics, bodies = settings["sliding"], settings["statistics"], settings["contact"]["bodies"]
-    rubber = relaxing_body(bodies)
-    (face,) = (body for body in bodies if body is not rubber)
-    run: Callable[..., xr.Dataset] = partial(
-        sliding_friction,
-        relaxation=rubber["relaxation"],
-        speed=sliding["speed"],
-        direction=sliding["direction"],
-        poissons_ratio=rubber["poissons_ratio"],
-        mean_pressure=mean_pressure,
-        threads=threads,
-    )
-    conductivities = [body.get("thermal_conductivity") for body in (face, rubber)]
+    rubber, load = relaxing_body(bodies), mean_pressure
+
+    def run(
+        face: xr.DataArray, *, mean_pressure: float = 1.0, contact_modulus: float = 1.0, **options: Any
+    ) -> xr.Dataset:
+        """Return the course on a face, with load and moduli so many times as large."""
+        course = sliding_friction(
+            face,
+            relaxation=rubber["relaxation"],
+            speed=sliding["speed"],
+            direction=sliding["direction"],
+            poissons_ratio=rubber["poissons_ratio"],
+            # linear: stiffer rubber is a lighter load, whose pressures are multiplied
+            mean_pressure=mean_pressure * load / contact_modulus,
+            threads=threads,
+            **options,
+        )
+        return course.assign({name: contact_modulus * course[name] for name in (PRESSURE, PEAK)})
+
+    (stiff,) = (body for body in bodies if body is not rubber)
+    conductivities = [body.get("thermal_conductivity") for body in (stiff, rubber)]
     friction, seal = statistics["friction"] or {}, statistics["seal"]
-    seal = seal and {key: seal[key] for key in _OF_A_SEAL if seal.get(key) is not None}
     slid = run(
         window,
         shear_strength=friction.get("shear_strength"),
-        seal=seal,
+        seal=seal and {key: seal[key] for key in _OF_A_SEAL if seal.get(key) is not None},
         thermal_conductivity=None if None in conductivities else conductivities,
     )
-    coarse = partial(run, tolerance=COARSE, fields=False)
-    instrument = stated_instrument(window, settings["instrument"])
-
-    def at_end(part: xr.DataArray, *, contact_modulus: float = 1.0, **inputs: float) -> xr.Dataset:
-        """Return the course with load and moduli so many times as large."""
-        load = inputs.get("mean_pressure", 1.0) * mean_pressure
-        # linear: stiffer rubber is a lighter load, whose pressures are multiplied
-        course = coarse(part, mean_pressure=load / contact_modulus)
-        return course.assign({name: contact_modulus * course[name] for name in (PRESSURE, PEAK)})
-
-    of_parts = components_of_parts(
-        window,
-        coarse,
-        ANSWERS,
-        instrument=instrument,
-        as_measured=as_measured,
-        ends_of_inputs=runs_at_ends(at_end, settings["contact"], instrument, inputs=_INPUTS),
-    )
-    of_places = components_of_places(
-        window, coarse, ANSWERS, levelled=levelled, overviews=overviews, load=mean_pressure
-    )
     shares = slid["hysteretic_friction_bound"] / slid[FRICTION], slid["friction_share_beyond_table"]
-    slid = with_ends(slid, [of_parts, *of_places, *({FRICTION: symmetric(share.values)} for share in shares)])
+    slid = with_ends(
+        slid,
+        window,
+        partial(run, tolerance=COARSE, fields=False),
+        ANSWERS,
+        settings,
+        inputs=_INPUTS,
+        as_measured=as_measured,
+        levelled=levelled,
+        overviews=overviews,
+        causes=[{FRICTION: symmetric(share.values)} for share in shares],
+    )
     if _BY_AREA in slid:
         by_area = [slid[_BY_AREA] * (slid[f"{AREA}{end}"] / slid[AREA]) for end in ENDS]
         bounds = widened(by_area, ends(1.0, friction.get("shear_strength_uncertainty")))
