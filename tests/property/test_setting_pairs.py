@@ -499,7 +499,8 @@ def evaluated(names, *, transposed=False, unit=1.0, extra=None, **options):
         chosen[section] = chosen.get(section, {}) | values
     full = resolve(chosen)[""]
     if transposed:
-        full["sliding"]["direction"] = 90.0 - full["sliding"]["direction"]  # the same of the face
+        angles = full["sliding"]["direction"]
+        full["sliding"]["direction"] = [90.0 - angle for angle in angles]  # the same of the face
     height, overviews = measured(transposed, unit), []
     further, fields = {}, FILES / "contact.nc"
     with warnings.catch_warnings(), pytest.MonkeyPatch.context() as patch:

@@ -57,6 +57,39 @@ def test_headings_state_units(tmp_path, separator):
     np.testing.assert_allclose(read, expected)
 
 
+@pytest.mark.parametrize(
+    ("headings", "form"),
+    [
+        ("f (kHz),E' (MPa),E'' (MPa)", {}),
+        ("Frequenz (kHz);Speichermodul (MPa);Verlustmodul (MPa)", {"sep": ";", "decimal": ","}),
+        ("f / kHz\tE' / MPa\tE'' / MPa", {"sep": "\t", "decimal": ","}),
+        ("frequency in kHz   storage modulus in MPa   loss modulus in MPa", {"gap": "   "}),
+        ("f,E',E''\nkHz,MPa,MPa", {}),
+        ("# EPDM, 2 % strain\nT (°C),f (kHz),E' (MPa),E'' (MPa)", {"first": 20.4}),
+    ],
+)
+def test_tables_as_instruments_write_them(tmp_path, headings, form):
+    """Each has the same three rows: decimals with commas, wide gaps, units in a row of their own, Latin-1."""
+    expected = table(np.array([1.5, 10.0, 100.0]))
+    rows = expected / (1e3, 1e6, 1e6)
+    if first := form.pop("first", None):
+        rows.insert(0, "T", first)
+    gap = form.pop("gap", None)
+    text = rows.to_csv(index=False, header=False, float_format="%.9f", **form)
+    path = tmp_path / "dma.csv"
+    path.write_text(f"{headings}\n{text.replace(',', gap) if gap else text}", "latin-1")
+    read = read_relaxation(path)
+    np.testing.assert_allclose(read, expected.assign(frequency=2 * np.pi * expected["frequency"]), rtol=1e-6)
+
+
+def test_a_frequency_in_inverse_seconds_is_of_its_heading():
+    """1/s of f is Hz, of ω rad/s."""
+    moduli = {"E' (MPa)": [1, 2, 3], "E'' (MPa)": [0.1, 0.2, 0.3]}
+    for heading, factor in (("f (1/s)", 2 * np.pi), ("ω (1/s)", 1.0)):
+        read = read_relaxation(pd.DataFrame({heading: [1, 10, 100]} | moduli))
+        np.testing.assert_allclose(read["frequency"], factor * np.array([1, 10, 100]))
+
+
 def test_the_shift_is_that_of_williams_landel_and_ferry():
     shift = {"wlf": [8.86, 101.6], "reference_temperature": 20.0, "temperature": 40.0}
     warm, cold = relaxation_of(SERIES | shift), relaxation_of(SERIES)
@@ -158,6 +191,12 @@ def test_a_named_rubber_at_another_temperature():
         (pd.DataFrame({"f": [1.0], "E'": [1e6]}), "no column 'loss_modulus'"),
         (pd.DataFrame({"f": [1.0], "E' (MPA)": [1.0], "E''": [1.0]}), "unit 'MPA'"),
         (table().head(2), "2 rows of numbers"),
+        (
+            table() / (1, 1e6, 1e6),
+            "'storage_modulus': has no unit, and 3.* Pa is softer than any rubber: state",
+        ),
+        (table().astype(str).replace("0.1", "1,000"), "'frequency': '1,000' is not a number"),
+        (table().assign(T=np.arange(49)), "temperatures are 0 to 48; give the rows of one, or of a master"),
     ],
 )
 def test_mistakes_are_named(relaxation, text):

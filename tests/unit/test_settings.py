@@ -142,7 +142,7 @@ def test_no_default_changes_by_mistake():
         "uncertainty.windows": 9,
         "instrument.correct": False,
         "wear.coefficient_factor": 1.0,
-        "sliding.direction": 0.0,
+        "sliding.direction": [0.0],
         "report.title": "Contact of rough surfaces",
     }
     sections = Settings().model_dump(mode="json", exclude={"surfaces", "cases"})

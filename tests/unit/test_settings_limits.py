@@ -102,6 +102,7 @@ LIMITS = {
     ),
     "wear.coefficient_factor": ([1, 3.5], [BELOW_ONE, 0]),
     "wear.distance": ([f"{SMALLEST} m", [f"{SMALLEST} m"], [1.0, 2.0]], [0, [], [1, -1]]),
+    "sliding.direction": ([-400.0, [0.0, 180.0], [float(k) for k in range(36)]], [[], [1.0] * 37]),
     "sliding.speed": ([f"{SMALLEST} m/s", [f"{SMALLEST} m/s"], [1.0, 2.0]], [0, [], [1, -1]]),
     "surfaces": (["s"], [""]),
 }
@@ -285,6 +286,7 @@ def test_every_setting_with_a_unit_has_a_range_in_which_bare_numbers_are_plausib
                 "contact.time",
                 "wear.distance",
                 "sliding.speed",
+                "sliding.direction",
                 "composite.rotations",
             )
             (line, _) = said(configured(name, [slip] if listed else slip))
@@ -341,7 +343,9 @@ def test_what_is_within_the_limits_is_kept(key):
         for part in key.split("."):
             settings = settings[-1][part] if isinstance(settings, list) else settings[part]
         several = (
-            key.endswith(("_pressure", "force", "form.radius", "distance", "sliding.speed"))
+            key.endswith(
+                ("_pressure", "force", "form.radius", "distance", "sliding.speed", "sliding.direction")
+            )
             and key not in ("wear.mean_pressure", "sliding.mean_pressure")
             and not key.startswith("statistics")
         )

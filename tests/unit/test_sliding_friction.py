@@ -92,6 +92,19 @@ def test_the_way_back_is_that_of_the_mirrored_face():
     assert back[FRICTION].item() == pytest.approx(there[FRICTION].item(), rel=1e-6)
 
 
+@pytest.mark.parametrize(("direction", "angles"), [("both ways", [0, 180]), (["30 deg", 210], [30, 210])])
+def test_several_directions_are_each_as_alone(direction, angles):
+    face, speeds = rough(), [1e-3, 1e-2]
+    both = slide(face, speeds, direction=direction)
+    assert both[FRICTION].dims == ("direction", "speed")
+    assert both["direction"].values.tolist() == angles
+    for angle in angles:
+        alone = slide(face, speeds, direction=angle)
+        for name in (FRICTION, AREA, "pressure", "persson_friction_coefficient"):
+            np.testing.assert_array_equal(both[name].sel(direction=angle), alone[name])
+    assert not np.allclose(*both[FRICTION].values, rtol=1e-3)
+
+
 def test_frequencies_beyond_the_table_are_told():
     face, q = wave()
     frequency = np.geomspace(1, 1e4, 20)
@@ -123,3 +136,6 @@ def test_mistakes_are_named():
         slide(face, 1e-3, tolerance=1e-15)
     with pytest.raises(SettingsError, match="speed = -1"):
         slide(face, -1.0)
+    for direction in ("steep", [], [0, 0], np.nan, [0, None]):
+        with pytest.raises(SettingsError, match=r"direction = .*: give an angle \(degree\), several"):
+            slide(face, 1e-3, direction=direction)

@@ -205,3 +205,39 @@ def test_the_page_says_where_friction_is_highest(slid, tmp_path):
         f"pressure at {speed:.3g} m/s",
         "share of the friction by wavelength",
     ]
+
+
+def test_both_ways_have_their_own_intervals_and_are_side_by_side_on_the_page(tmp_path):
+    window, full = face(points=48), settings()
+
+    def slid_along(angles):
+        return slid_in_a_run(
+            window, full | {"sliding": full["sliding"] | {"direction": angles}}, mean_pressure=LOAD
+        )
+
+    both, back = slid_along([0.0, 180.0]), slid_along([180.0])
+    for name in (FRICTION, f"{FRICTION}_lower", f"{FRICTION}_upper", f"{GAP}_upper"):
+        np.testing.assert_array_equal(both[name].sel(direction=180), back[name])
+        assert not np.allclose(both[name][0], back[name], rtol=1e-4, atol=0), name
+    write_dataset(both, tmp_path / "sliding.nc")
+    (text,) = course_sections("ground", both, tmp_path, tmp_path)["sliding"]["sentences"]
+    highest = both[FRICTION].max("speed")
+    first = int(highest.argmax())
+    assert f" in the direction {180 * first}°, μ = {number(highest[first].item())} (" in text
+    assert f"; at {180 - 180 * first}° μ = {number(highest[1 - first].item())} (" in text
+
+
+def test_a_direction_of_the_settings_may_be_both_ways():
+    series = {"long_time_modulus": 3e6, "moduli": [27e6], "times": [1e-4]}
+    sections = {"contact": {"bodies": [{"relaxation": series}, "steel"], "mean_pressure": 1e5}}
+
+    def directions(stated):
+        return resolve(sections | {"sliding": {"speed": 0.1, "direction": stated}})[""]["sliding"][
+            "direction"
+        ]
+
+    assert directions("both ways") == [0.0, 180.0]
+    assert directions("30 deg") == [30.0]
+    assert directions([0, "1.5707963267948966 rad"]) == pytest.approx([0, 90])
+    with pytest.raises(rc.SettingsError, match=r"sliding\.direction: give each direction once"):
+        directions([30, 30])

@@ -5,6 +5,7 @@ Storage and loss modulus of one linear material obey the relations of Kramers an
 a series, so that what a fit to both leaves over tells how far a table is from such a material.
 """
 
+import io
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -28,14 +29,17 @@ MAX_MISFIT = 0.1  # rms, relative: beyond, E' and E'' are not those of one linea
 _MAX_WARMING = 200.0  # K over the reference
 _SCALES = "both in °C or both in K"
 RUBBER_RATIO = 0.5  # Poisson's, where none is stated
-_COLUMNS = {
-    "frequency": r"(f|freq|frequency)",
-    "angular": r"(omega|ω|angular frequency)",
-    "storage_modulus": r"(e['′]|storage( modulus)?)",
-    "loss_modulus": r"(e(''|″|\")|loss( modulus)?)",
+# heading -> column, base unit, and what its units stand for: 1/s is Hz of f, and rad/s of omega
+_HEADINGS: dict[str, tuple[str, str, dict[str, str]]] = {
+    r"(?i:f|freq\.?|frequency|frequenz)": ("frequency", "s-1", {"": "Hz", "1/s": "Hz"}),
+    r"(?i:omega|ω|angular frequency|kreisfrequenz)": ("frequency", "s-1", {"": "rad/s", "1/s": "rad/s"}),
+    r"(?i:e['′]|storage( modulus)?|speichermodul)": ("storage_modulus", "Pa", {"": "Pa"}),
+    r"(?i:e(''|″|\")|loss( modulus)?|verlustmodul)": ("loss_modulus", "Pa", {"": "Pa"}),
+    r"T|(?i:temp\.?|temperatur|temperature)": ("temperature", "", {}),
 }
-_UNITS = {"frequency": {"": 1.0, "Hz": 1.0, "kHz": 1e3}, "angular": {"": 1.0, "rad/s": 1.0, "1/s": 1.0}}
-_SERIES = ("long_time_modulus", "moduli", "times")
+_STEADY = 5.0  # K, within which a sweep is of one temperature
+_SOFTEST = 1e3  # Pa: a lower modulus without a unit is in MPa
+_SERIES = {"long_time_modulus": "Pa", "moduli": "Pa", "times": "s"}
 KEYS = {*_SERIES, "table", "wlf", "reference_temperature", "temperature"}
 
 
@@ -147,8 +151,9 @@ def with_modulus_at_rest(body: Any) -> Any:
 def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
     """Return a table of a DMA: angular `frequency` (1/s, rising), `storage_modulus`, `loss_modulus` (Pa).
 
-    Headings name what a column holds, with its unit in brackets or after a comma: "f (Hz)", "E' [MPa]".
-    Without one, frequencies are in Hz and moduli in Pa.
+    Headings name what a column holds, with its unit in brackets, after a comma, a stroke or "in", or in the
+    row below: "f (Hz)", "E' [MPa]". Without one, frequencies are in Hz and moduli in Pa. Tabs, semicolons,
+    commas or wide gaps separate the columns of a file; decimals may have commas.
 
     Examples
     --------
@@ -157,46 +162,72 @@ def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
     [6.28, 3000000.0, 300000.0]
     """
     name = "the table" if isinstance(table, pd.DataFrame) else str(table)
+
+    def refusal(text: str) -> SettingsError:
+        return SettingsError(f"relaxation = {name}{text}", keys=["relaxation"])
+
     if not isinstance(table, pd.DataFrame):
         try:
-            table = pd.read_csv(table, sep=None, engine="python", comment="#", encoding="utf-8-sig")
-        except (OSError, ValueError) as error:
-            raise SettingsError(
-                f"relaxation = {name}: not read as a table: {error}; by name there are "
-                + ", ".join(compound_names()),
-                keys=["relaxation"],
-            ) from None
+            table = _table_of_text(Path(table).read_text(encoding="utf-8-sig", errors="replace"))
+        except (OSError, ValueError, IndexError) as error:
+            known = ", ".join(compound_names())
+            text = (
+                f": not read as a table: {str(error).strip()}; its headings stand in the first line, but for"
+            )
+            raise refusal(f"{text} lines that begin with #; by name there are {known}") from None
     columns: dict[str, pd.Series] = {}
     for heading in table.columns:
-        plain, _, unit = re.sub(r"[\[(]|\s*,\s*", "|", str(heading).replace("_", " "), count=1).partition("|")
-        unit, plain = unit.strip(" )]"), plain.strip().lower().replace("’", "'")
-        role = next((key for key, pattern in _COLUMNS.items() if re.fullmatch(pattern, plain)), None)
+        # what is measured, then its unit after one of these marks
+        plain, *after = re.split(
+            r"\s*[\[(,/]\s*|\s+in\s+", str(heading).replace("_", " ").strip(), maxsplit=1
+        )
+        plain, unit = plain.replace("’", "'"), "".join(after).strip(" )]")
+        role = next((role for pattern, role in _HEADINGS.items() if re.fullmatch(pattern, plain)), None)
         if role is None:
             continue
-        factor = _UNITS[role].get(unit) if role in _UNITS else unit_factor(unit or "Pa", "Pa")
+        column, base, usual = role
+        factor = unit_factor(usual.get(unit, unit), base) if base else 1.0
         if factor is None:
-            units = ", ".join(filter(None, _UNITS[role])) if role in _UNITS else unknown_unit(unit, "Pa")
-            raise SettingsError(
-                f"relaxation = {name}, column {heading!r}: unit {unit!r}; {units}", keys=["relaxation"]
+            raise refusal(f", column {heading!r}: {unknown_unit(unit, base)}")
+        values = pd.to_numeric(table[heading], errors="coerce")
+        if (wrong := table[heading][values.isna() & table[heading].notna()]).size:
+            raise refusal(f", column {heading!r}: {wrong.iloc[0]!r} is not a number")
+        if base == "Pa" and not unit and values.min() < _SOFTEST:
+            raise refusal(
+                f", column {heading!r}: has no unit, and {values.min():g} Pa is softer than any rubber: "
+                f"state it in the heading, {plain} (MPa)"
             )
-        values = pd.to_numeric(table[heading], errors="coerce") * factor
-        columns["frequency" if role == "angular" else role] = values * (
-            2 * np.pi if role == "frequency" else 1
-        )
+        columns[column] = values * factor
     if missing := [key for key in ("frequency", "storage_modulus", "loss_modulus") if key not in columns]:
-        raise SettingsError(
-            f"relaxation = {name}: no column {missing[0]!r} among {[*map(str, table.columns)]}; name "
-            "the columns frequency (Hz), storage_modulus (Pa), loss_modulus (Pa), or f, E', E'', with units",
-            keys=["relaxation"],
+        raise refusal(
+            f": no column {missing[0]!r} among {[*map(str, table.columns)]}; name the columns in the first "
+            "line frequency (Hz), storage_modulus (Pa), loss_modulus (Pa), or f, E', E'', with units"
         )
     numbers = pd.DataFrame(columns).dropna().sort_values("frequency", ignore_index=True)
+    if "temperature" in numbers and np.ptp(temperatures := numbers.pop("temperature")) > _STEADY:
+        raise refusal(
+            f": its temperatures are {temperatures.min():g} to {temperatures.max():g}; give the rows of one, "
+            "or of a master curve, whose frequencies are shifted to one, leave this column out"
+        )
     if len(numbers) < 3 or not (numbers > 0).all(axis=None):
-        raise SettingsError(
-            f"relaxation = {name}: {len(numbers)} rows of numbers; give three or more, with frequencies and "
-            "moduli above 0",
-            keys=["relaxation"],
+        raise refusal(
+            f": {len(numbers)} rows of numbers; give three or more, with frequencies and moduli above 0"
         )
     return numbers[["frequency", "storage_modulus", "loss_modulus"]]
+
+
+def _table_of_text(text: str) -> pd.DataFrame:
+    """Return a table with headings, and units in them that stand in a row below; # begins a comment."""
+    lines = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    if not set("\t;,") & {*lines[0]}:
+        lines = [re.sub(r"\s{2,}", "\t", line) for line in lines]
+    separator = next((mark for mark in "\t;" if mark in lines[0]), ",")
+    if not re.search(r"\d", "".join(lines[1:2])):
+        pairs = zip(*(line.split(separator) for line in lines[:2]), strict=False)
+        lines[:2] = [separator.join(f"{heading} ({unit})" for heading, unit in pairs)]
+    # a comma is a decimal one where there is no point
+    decimal = "." if separator == "," or "." in "".join(lines[1:]) else ","
+    return pd.read_csv(io.StringIO("\n".join(lines)), sep=separator, decimal=decimal, skipinitialspace=True)
 
 
 def _fitted(table: str | Path | pd.DataFrame, ratio: float) -> Relaxation:
@@ -206,36 +237,26 @@ def _fitted(table: str | Path | pd.DataFrame, ratio: float) -> Relaxation:
     decades = np.log10(high / low) + 2  # relaxation up to a decade beyond the table shows in it
     times = np.geomspace(0.1 / high, 10 / low, max(2, round(TERMS_PER_DECADE * decades)))
     phase = 1j * np.outer(frequency, times)
-    share = phase / (1 + phase)
-    rows = np.vstack(
-        [
-            np.column_stack([np.ones_like(frequency), share.real]) / storage[:, None],
-            np.column_stack([np.zeros_like(frequency), share.imag]) / loss[:, None],
-        ]
-    )
-    moduli, residual = scipy.optimize.nnls(rows, np.ones(len(rows)))
-    if moduli[0] <= 0:  # no plateau within the table: the lowest modulus is all that is known of it
-        moduli[0] = 1e-3 * storage[0]
-    used = moduli[1:] > 0
+    share = np.column_stack([np.ones_like(frequency), phase / (1 + phase)])
+    rows = np.vstack([share.real / storage[:, None], share.imag / loss[:, None]])
+    (plateau, *moduli), residual = scipy.optimize.nnls(rows, np.ones(len(rows)))
+    if plateau <= 0:  # no plateau within the table: the lowest modulus is all that is known of it
+        plateau = 1e-3 * storage[0]
+    used = np.array(moduli) > 0
     misfit = float(residual) / np.sqrt(len(rows))
-    return Relaxation(moduli[0], moduli[1:][used], times[used], ratio, misfit, (low, high))
+    return Relaxation(float(plateau), np.array(moduli)[used], times[used], ratio, misfit, (low, high))
 
 
 def _series(properties: Mapping[str, Any], ratio: float) -> Relaxation:
     """Return a Prony series that is stated, or of the table of compounds, with the range of its data."""
-    for key in _SERIES:
+    numbers = []
+    for key, unit in _SERIES.items():
+        name = f"relaxation.{key}"
         if properties.get(key) is None:
-            raise SettingsError(f"relaxation.{key}: missing from the Prony series", keys=["relaxation"])
-    plateau, moduli, times = (
-        np.array(
-            [
-                check_positive(name, convert_quantity(unit, name, number), unit=unit)
-                for number in np.ravel(properties[key])
-            ]
-        )
-        for key, unit in (("long_time_modulus", "Pa"), ("moduli", "Pa"), ("times", "s"))
-        for name in [f"relaxation.{key}"]
-    )
+            raise SettingsError(f"{name}: missing from the Prony series", keys=["relaxation"])
+        values = (convert_quantity(unit, name, number) for number in np.ravel(properties[key]))
+        numbers.append(np.array([check_positive(name, value, unit=unit) for value in values]))
+    plateau, moduli, times = numbers
     if moduli.size != times.size:
         raise SettingsError(
             f"relaxation: {moduli.size} moduli and {times.size} times; give a time for each modulus",

@@ -26,6 +26,7 @@ _QUANTITIES = {
     "m s-1": ("speed", "m/s, cm/s, mm/s, um/s, m/min, km/h, ft/min, in/s"),
     "m2 s-1": ("diffusivity", "m2/s, cm2/s, mm2/s"),
     "s": ("time", "s, min, h, d, years"),
+    "s-1": ("frequency", "mHz, Hz, kHz, MHz, rad/s"),
     "m3 s-1": ("leak", "ml/h, ml/min, l/h, mm3/s, m3/s"),
     "Ohm": ("resistance", "uOhm, mOhm, Ohm, kOhm"),
     "m2 K W-1": ("thermal resistance times area", "m2 K/W, mm2 K/W"),

@@ -212,7 +212,8 @@ class Chart:
 
     def series(self, index: int, x: np.ndarray, y: np.ndarray, *, label: str) -> None:
         """Draw one of several lines with marks, in its own colour and mark."""
-        self.marks(x, y, colour=COLOURS[index], marker=MARKERS[index], width=1.5, label=label)
+        colour, marker = COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)]
+        self.marks(x, y, colour=colour, marker=marker, width=1.5, label=label)
 
     def key(self, **style: Unpack[Style]) -> None:
         """List a line, with a mark in its middle or without, in the legend."""
@@ -399,7 +400,7 @@ def curves_chart(
     for index, (name, (curve, *ends)) in enumerate(curves.items()):
         if ends:
             lower, upper = ends
-            chart.bars(abscissa, lower, upper, colour=COLOURS[index])
+            chart.bars(abscissa, lower, upper, colour=COLOURS[index % len(COLOURS)])
         chart.series(index, abscissa, curve, label=name)
     return chart
 

@@ -28,7 +28,7 @@ _WORN = (AREA, PEAK, GAP, CONDUCTANCE, "leak_rate_x", "leak_rate_y")
 _HEIGHTS = {"Sq": "root mean square", "Spk": "reduced peaks", "Svk": "reduced dales"}
 _FRICTIONS = {
     "persson_friction_coefficient": "theory of Persson (2001)",
-    "adhesive_friction_coefficient": "of the shear strength of the contact area, alone",
+    "adhesive_friction_coefficient": "by the shear strength, alone",
 }
 WARM = 10.0  # K, by which the loss of a rubber shifts by half a decade of frequency
 _BEFORE = {"wear": "Before sliding", "sliding": "At rest"}  # part -> the contact of which all else is
@@ -111,31 +111,41 @@ def _lowered(loading: xr.Dataset, unloading: xr.Dataset) -> str:
 
 
 def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
-    """Return charts of friction and contact over the speed, and the sentence of the friction."""
+    """Return charts of friction and contact over the speed, and the sentence of the friction.
+
+    Of several directions all but the friction is of the one with the largest.
+    """
     from roughcontact.report.map_plots import pressure_map  # with all that levels maps, for few pages
 
-    highest = over.isel(speed=int(over[FRICTION].values.argmax()))
-    speed = over["speed"].values
+    over = over if "direction" in over.dims else over.expand_dims("direction")
+    ways = [over.isel(direction=index) for index in range(over.sizes["direction"])]
+    highest = [way.isel(speed=int(way[FRICTION].values.argmax())) for way in ways]
+    first = int(np.argmax([way[FRICTION].item() for way in highest]))
+    course, speed = ways[first], over["speed"].values
     x_axis = log_axis("sliding speed v (m/s)", speed, room=1.3)
-    curves = {"hysteresis, as solved": interval_values(over, FRICTION)}
-    curves |= {label: [over[name].values] for name, label in _FRICTIONS.items() if name in over}
+    named = [f", {way['direction'].item():g}°" if len(ways) > 1 else "" for way in ways]
+    curves = {
+        f"hysteresis, as solved{name}": interval_values(way, FRICTION)
+        for way, name in zip(ways, named, strict=True)
+    }
+    curves |= {label: [course[name].values] for name, label in _FRICTIONS.items() if name in over}
     charts = {
         "coefficient of friction over the speed": curves_chart(
             x_axis, speed, "coefficient of friction μ", curves
         ),
-        f"pressure at {highest['speed'].item():.3g} m/s": pressure_map(
-            xr.zeros_like(highest["pressure"]), highest["pressure"].values
+        f"pressure at {highest[first]['speed'].item():.3g} m/s{named[first]}": pressure_map(
+            xr.zeros_like(highest[first]["pressure"]), highest[first]["pressure"].values
         ),
-        "share of the friction by wavelength": _octaves(highest),
+        "share of the friction by wavelength": _octaves(highest[first]),
     }
     charts |= {
-        f"{TITLES[name]} over the speed": _course_chart(over, name, speed, x_axis) for name in (AREA, GAP)
+        f"{TITLES[name]} over the speed": _course_chart(course, name, speed, x_axis) for name in (AREA, GAP)
     }
-    peak = {suffix: highest[f"{FRICTION}{suffix}"].item() for suffix in ENDS}
+    peaks = [(_scalars(way), [way[f"{FRICTION}{suffix}"].item() for suffix in ENDS]) for way in highest]
     misfit = float(over.attrs["relaxation_misfit"])  # of the table from every linear material
     misfit = misfit if misfit > MAX_MISFIT else 0.0
-    text = sentence("slides", _scalars(highest), [*peak.values()], misfit, _warm_from(over))
-    return charts, [text]
+    others = peaks[:first] + peaks[first + 1 :]
+    return charts, [sentence("slides", *peaks[first], others, misfit, _warm_from(course))]
 
 
 def _warm_from(over: xr.Dataset) -> tuple[float, float] | None:

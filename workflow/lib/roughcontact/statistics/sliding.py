@@ -27,6 +27,10 @@ from roughcontact.statistics.instrument_checks import shortest_measured_wave
 from roughcontact.statistics.sealing.flow import flow_columns, leak_columns
 from roughcontact.statistics.sealing.percolation import percolation_columns
 
+BOTH_WAYS = (0.0, 180.0)  # degree
+_BY_AREA = "adhesive_friction_coefficient"
+_ALIKE: dict[str, Any] = {"coords": "minimal", "compat": "override"}  # of courses over one window
+
 
 @as_si
 def sliding_friction(
@@ -35,7 +39,7 @@ def sliding_friction(
     relaxation: Any,
     speed: float | str | Sequence[float | str],
     mean_pressure: float | str,
-    direction: float | str = 0.0,
+    direction: float | str | Sequence[float | str] = 0.0,
     poissons_ratio: float = 0.5,
     shear_strength: float | str | None = None,
     seal: Mapping[str, float] | None = None,
@@ -64,8 +68,9 @@ def sliding_friction(
         each contact starts from the one before: best in rising order.
     mean_pressure : float, Pa
         nominal pressure.
-    direction : float, degree
-        in which the rubber slides over the face, from x towards y. 180 is the way back, which may differ.
+    direction : float, str or sequence of float, degree
+        in which the rubber slides over the face, from x towards y: one, several, or "both ways", 0 and 180,
+        which differ on a face that leans.
     poissons_ratio : float
         of the rubber.
     shear_strength : float, Pa, optional
@@ -85,11 +90,12 @@ def sliding_friction(
     Returns
     -------
     Dataset
-        over `speed`: `hysteretic_friction_coefficient` and the proven bound of its error by the solver,
-        `hysteretic_friction_bound`; `error_bound`; area, pressures and gap as `contact_statistics` has them;
-        the share of the friction that each octave of wavelengths makes, `friction_share_of_octave`, the last
-        one that was measured, up to `last_octave_wavelength` (m), `friction_share_of_last_octave`, and
-        frequencies outside the table, `friction_share_beyond_table`; and `persson_friction_coefficient` [1]_.
+        over `speed`, and `direction` where there are several: `hysteretic_friction_coefficient` and the
+        proven bound of its error by the solver, `hysteretic_friction_bound`; `error_bound`; area, pressures
+        and gap as `contact_statistics` has them; the share of the friction that each octave of wavelengths
+        makes, `friction_share_of_octave`, the last one that was measured, up to `last_octave_wavelength` (m),
+        `friction_share_of_last_octave`, and frequencies outside the table, `friction_share_beyond_table`; and
+        `persson_friction_coefficient` [1]_.
         The attribute `relaxation_misfit` is the rms relative difference of the table from a causal material.
 
     Raises
@@ -125,42 +131,69 @@ def sliding_friction(
     problem, window = nondimensionalise(window, threads=threads), copy_to_host(window)
     warn_of_map(window.shape, problem.gradient)
     warn_of_seams(window, problem.gradient, stacklevel=4)
-    angle, start = math.radians(float(direction)), None
-    path = math.cos(angle), math.sin(angle)
-    rows = []
-    for each in speeds:
-        velocity = each * path[0], each * path[1]
-        contact = sliding_contact(
-            window, rubber.compliance, velocity, load, tolerance=accuracy, start=start, threads=threads
-        )
-        if contact.error_bound > accuracy:
-            raise ConvergenceError(
-                f"speed {each:g} m/s: the error bound stopped at {contact.error_bound:.2g} after "
-                f"{contact.contacts} contacts, above the tolerance {accuracy:g}; raise it"
-            )
-        start = contact.fields.pressure
-        row = _numbers(contact, window, rubber, velocity, seal)
-        row["persson_friction_coefficient"] = persson_friction(window, rubber, velocity, load)
+    ways = _directions(direction)
+
+    def numbers_of(contact: SlidingContact, velocity: tuple[float, float], speed: float) -> xr.Dataset:
+        """Return the numbers of a contact by name, with its maps where they are asked for."""
+        row = _numbers(contact, window, rubber, velocity, load)
+        pressure, gap = contact.fields.pressure, contact.fields.gap
+        if seal is not None:
+            closed = np.where(pressure > 0, 0.0, gap)
+            flow = flow_columns(closed, spacing(window)) | percolation_columns(closed)
+            row |= {name: float(leak) for name, leak in leak_columns(row[GAP], flow, **seal).items()}
         if strength is not None:
-            row["adhesive_friction_coefficient"] = strength * row[AREA] / load
+            row[_BY_AREA] = strength * row[AREA] / load
         if thermal_conductivity is not None:
-            maps = {"pressure": start[None], "gap": contact.fields.gap[None]}
+            maps = {"pressure": pressure[None], "gap": gap[None]}
             solved = xr.Dataset({key: (("load", "y", "x"), field) for key, field in maps.items()})
             warm = flash_temperature(
                 solved.assign(height=window),
-                friction_coefficient=contact.friction + row.get("adhesive_friction_coefficient", 0.0),
-                speed=each,
+                friction_coefficient=contact.friction + row.get(_BY_AREA, 0.0),
+                speed=speed,
                 thermal_conductivity=thermal_conductivity,
             )
             row["max_flash_temperature"] = warm["max_flash_temperature"].item()
         if fields:
-            row |= {"pressure": (("y", "x"), start.copy()), "gap": (("y", "x"), contact.fields.gap)}
-        rows.append(xr.Dataset(row, coords=window.coords if fields else None))
-    over = xr.concat(rows, xr.Variable("speed", speeds), coords="minimal", compat="override")
+            row |= {"pressure": (("y", "x"), pressure.copy()), "gap": (("y", "x"), gap)}
+        return xr.Dataset(row, coords=window.coords if fields else None)
+
+    courses = []
+    for way in ways:
+        path, start, rows = np.exp(1j * math.radians(way)), None, []
+        for each in speeds:
+            velocity = each * path.real, each * path.imag
+            contact = sliding_contact(
+                window, rubber.compliance, velocity, load, tolerance=accuracy, start=start, threads=threads
+            )
+            if contact.error_bound > accuracy:
+                raise ConvergenceError(
+                    f"speed {each:g} m/s: the error bound stopped at {contact.error_bound:.2g} after "
+                    f"{contact.contacts} contacts, above the tolerance {accuracy:g}; raise it"
+                )
+            start = contact.fields.pressure
+            rows.append(numbers_of(contact, velocity, each))
+        courses.append(xr.concat(rows, xr.Variable("speed", speeds), **_ALIKE))
+    over = xr.concat(courses, xr.Variable("direction", ways), **_ALIKE)
     over["octave_wavelength"] = "octave", 2 * max(spacing(window)) * 2.0 ** np.arange(over.sizes["octave"])
     over["last_octave_wavelength"] = 2 * shortest_measured_wave(window)
-    attributes = {"direction": float(direction), "relaxation_misfit": rubber.misfit, "tolerance": accuracy}
-    return describe(over.assign_coords(mean_pressure=load).assign_attrs(attributes))
+    attributes = {"relaxation_misfit": rubber.misfit, "tolerance": accuracy}
+    over = over.assign_coords(mean_pressure=load).assign_attrs(attributes)
+    return describe(over if len(ways) > 1 else over.squeeze("direction"))
+
+
+def _directions(direction: Any) -> list[float]:
+    """Return the angles (degree) of one direction, several, or both ways."""
+    stated = BOTH_WAYS if isinstance(direction, str) and direction == "both ways" else direction
+    try:
+        angles = np.array(stated, float).ravel().tolist()
+    except (TypeError, ValueError):
+        angles = []
+    if not angles or not np.isfinite(angles).all() or len({*angles}) < len(angles):
+        raise SettingsError(
+            f"direction = {direction!r}: give an angle (degree), several unlike ones, or 'both ways'",
+            keys=["direction"],
+        )
+    return angles
 
 
 def _numbers(
@@ -168,12 +201,11 @@ def _numbers(
     window: xr.DataArray,
     rubber: Relaxation,
     velocity: tuple[float, float],
-    seal: Mapping[str, float] | None,
+    load: float,
 ) -> dict[str, Any]:
     """Return the numbers of the contact at one speed by name."""
     pressure, steps = contact.fields.pressure, spacing(window)
     touching = pressure > 0
-    gap = np.where(touching, 0.0, contact.fields.gap)  # within the contact it is rounding
     qy, qx = wavevectors(window.shape, steps)
     length, frequency = wavenumbers(window.shape, steps), np.abs(velocity[0] * qx + velocity[1] * qy)
     friction = contact.friction
@@ -183,7 +215,7 @@ def _numbers(
     octave = np.maximum(0, np.ceil(np.log2(shortest) - 1e-9)).astype(int)
     last_octave = 2 * shortest_measured_wave(window) * (1 + 1e-9)
     outside_table = (frequency < rubber.frequencies[0]) | (frequency > rubber.frequencies[1])
-    numbers: dict[str, Any] = {
+    return {
         FRICTION: friction,
         "hysteretic_friction_bound": contact.friction_bound,
         "error_bound": contact.error_bound,
@@ -191,15 +223,12 @@ def _numbers(
         AREA: relative_contact_area(touching),
         PRESSURE: float(pressure[touching].mean()),
         PEAK: float(pressure.max()),
-        GAP: float(gap.mean()),
+        GAP: float(np.where(touching, 0.0, contact.fields.gap).mean()),  # within the contact it is rounding
         "friction_share_of_octave": ("octave", np.bincount(octave.ravel(), share_of_waves.ravel())),
         "friction_share_of_last_octave": float(share_of_waves[length * last_octave >= 2 * np.pi].sum()),
         "friction_share_beyond_table": float(share_of_waves[outside_table].sum()),
+        "persson_friction_coefficient": persson_friction(window, rubber, velocity, load),
     }
-    if seal is not None:
-        leaks = leak_columns(numbers[GAP], flow_columns(gap, steps) | percolation_columns(gap), **seal)
-        numbers |= {name: float(leak) for name, leak in leaks.items()}
-    return numbers
 
 
 def persson_friction(

@@ -365,7 +365,8 @@ class Plan:
         if rule == "wear":  # steps to each distance, and the same of the parts
             return 400 * len(self.cases[case]["wear"]["distance"]) * points / 60e6
         if rule == "slide":  # some fifteen contacts for each speed, the same of the parts and the instrument
-            return 900 * len(self.cases[case]["sliding"]["speed"]) * points / 60e6
+            sliding = self.cases[case]["sliding"]
+            return 900 * len(sliding["direction"]) * len(sliding["speed"]) * points / 60e6
         if rule.startswith("prepare") or rule in ("superpose", "panel"):
             return 40 * points / 60e6 + megabytes(self.row(surface).path) / 100
         return (240 + 190 * self.loads(case)) * points / 60e6

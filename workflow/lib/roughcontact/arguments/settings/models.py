@@ -65,10 +65,10 @@ def _relative_load(value: Any) -> Any:
 
 
 class OneOrMore:
-    """Takes a single value for a list of one, in the schema a further type as well; of a field type."""
+    """Takes a single value for a list of one, in the schema further ones as well; of a field type."""
 
-    def __init__(self, *types: str):
-        self.types = types
+    def __init__(self, *further: dict[str, str]):
+        self.further = further
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Return the schema of the list, after a single value was put into one."""
@@ -80,7 +80,7 @@ class OneOrMore:
         """Admit what may stand in the list beside it."""
         array_schema = handler(schema)
         item_schemas = array_schema["items"].get("anyOf", [array_schema["items"]])
-        return {"anyOf": [*({"type": name} for name in self.types), *item_schemas, array_schema]}
+        return {"anyOf": [*self.further, *item_schemas, array_schema]}
 
 
 def _as_list(value: Any) -> Any:
@@ -134,6 +134,11 @@ def _largest_load(value: Any) -> Any:
     return ([] if single else None) if isinstance(single, bool) else _as_list(value)
 
 
+def _ways(value: Any) -> Any:
+    """Return the angles (degree) of both ways for the words."""
+    return [0.0, 180.0] if value == "both ways" else value
+
+
 Number = Annotated[float, BeforeValidator(_not_boolean)]
 Count = Annotated[int, BeforeValidator(_not_boolean)]
 Positive = Annotated[Number, Field(gt=0)]
@@ -185,6 +190,10 @@ WearCoefficient = Annotated[Positive, Range("Pa-1", 1e-22, 1e-8)]
 Slid = Annotated[Positive, Range("m", 1e-9, 1e9)]
 Angle = Annotated[Number, Range("degree", -720, 720)]
 Shares = Annotated[list[Annotated[Number, Field(gt=0, lt=1)]], _LISTED, _ONE_OR_MORE]
+Directions = Annotated[
+    Annotated[list[Angle], Field(min_length=1, max_length=36), OneOrMore({"const": "both ways"})],
+    BeforeValidator(_ways),
+]
 Distances = Annotated[list[Slid], Field(min_length=1, max_length=100), _ONE_OR_MORE]
 Speeds = Annotated[list[Speed], Field(min_length=1, max_length=100), _ONE_OR_MORE]
 Gaps = Annotated[list[Height], _LISTED, _ONE_OR_MORE]
@@ -200,7 +209,7 @@ Targets = Annotated[
     list[choices.LoadTarget], Field(min_length=1, max_length=len(get_args(choices.LoadTarget))), _ONE_OR_MORE
 ]
 UnloadedFrom = Annotated[
-    Annotated[list[Pressure], Field(max_length=1000), OneOrMore("boolean")] | None,
+    Annotated[list[Pressure], Field(max_length=1000), OneOrMore({"type": "boolean"})] | None,
     BeforeValidator(_largest_load),
 ]
 
@@ -650,8 +659,8 @@ class Sliding(Section):
 
     speed: Speeds | None = _example(["1 mm/s", "10 mm/s", "0.1 m/s", "1 m/s"])
     """speeds at which it slides, rising; one of the bodies states its relaxation; left empty: no sliding"""
-    direction: Angle = 0.0
-    """in which it slides over the face, from x towards y"""
+    direction: Directions = Field(default_factory=lambda: [0.0])
+    """in which it slides over the face, from x towards y: one, several, or both ways (0 and 180)"""
     mean_pressure: Pressure | None = _example("0.5 MPa")
     """nominal pressure of sliding; left empty: the largest load of the contact"""
 

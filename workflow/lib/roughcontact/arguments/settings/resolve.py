@@ -277,6 +277,8 @@ def _mistakes_in_sliding(sliding: Mapping[str, Any], contact: Mapping[str, Any])
         yield _mistake("sliding.speed", text)
     if [*speeds] != sorted({*speeds}):
         yield _mistake("sliding.speed", ": give each speed once, in rising order")
+    if len({*sliding["direction"]}) < len(sliding["direction"]):
+        yield _mistake("sliding.direction", ": give each direction once")
 
 
 def _derive(contact: dict[str, Any]) -> None:
