@@ -20,13 +20,13 @@ from roughcontact.arguments.variables import describe
 from roughcontact.contact.solve import NEAR_HARDNESS
 from roughcontact.statistics.running_in import run_in
 from roughcontact.uncertainty.combination import symmetric
-from roughcontact.uncertainty.course import change, with_ends
+from roughcontact.uncertainty.course import Run, change, with_ends
 from roughcontact.uncertainty.inputs import stiffer
 
 DISTANCE = "running_in_distance"
 ANSWERS = (AREA, PRESSURE, PEAK, GAP, CONDUCTANCE)
 TOLERANCE = 0.02  # of the heights, over their rms
-FEW_STEPS = {"tolerance": 2 * TOLERANCE, "solver_tolerance": 1e-3}
+FEW_STEPS: dict[str, Any] = {"tolerance": 2 * TOLERANCE, "solver_tolerance": 1e-3}
 _ANSWERS_ALONE = {"flow": "never", "stress": "never"}  # statistics of a part
 
 
@@ -56,9 +56,9 @@ def worn_in_a_run(
         **options: Any,
     ) -> xr.Dataset:
         """Return the course on a face, with inputs so many times as large."""
-        stated = {"mean_pressure": mean_pressure * load}
+        stated: dict[str, Any] = {"mean_pressure": mean_pressure * load}
         if contact["bodies"]:
-            options["bodies"] = stiffer(contact["bodies"], contact_modulus)
+            stated["bodies"] = stiffer(contact["bodies"], contact_modulus)
         else:
             stated["contact_modulus"] = contact_modulus * contact["contact_modulus"]
         if contact["hardness"]:
@@ -78,7 +78,7 @@ def worn_in_a_run(
             **options,
         )
 
-    coarse = partial(run, statistics=_ANSWERS_ALONE, **FEW_STEPS)
+    coarse: Run = partial(run, statistics=_ANSWERS_ALONE, **FEW_STEPS)
     names = (*ANSWERS, DISTANCE)
     worn, fewer = run(window, tolerance=TOLERANCE, statistics=settings["statistics"]), coarse(window)
     of_steps = {name: symmetric(np.abs(change(name, fewer, worn))) for name in names}
