@@ -119,19 +119,6 @@ class Browser:
         """Return the text of an element."""
         return self.evaluate(f"document.querySelector({json.dumps(selector)}).textContent")
 
-    def text_of_frame(self):
-        """Return the text of the frame of another origin within the page."""
-        session, self.session = self.session, None
-        deadline = time.monotonic() + 30
-        while not (frames := [target for target in self._targets() if target["type"] == "iframe"]):
-            assert time.monotonic() < deadline, "no frame of another origin"
-            time.sleep(0.05)
-        self.attach(frames[0]["targetId"])
-        self.wait("document.readyState === 'complete'")
-        text = self.text("body")
-        self.session = session
-        return text
-
     def _targets(self):
         """Return the pages and frames that the browser has."""
         return self.send("Target.getTargets")["targetInfos"]

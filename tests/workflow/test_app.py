@@ -29,7 +29,6 @@ import pytest
 import yaml
 from browser import CHROMIUM, Browser
 from packaging.requirements import Requirement
-from starlette.datastructures import QueryParams
 
 from data_samples.make_samples import matrix_bytes, profile_bytes, sdf_bytes, x3p_bytes
 from roughcontact import InputFileError, SettingsError, self_affine_surface
@@ -170,6 +169,17 @@ def saved(browser):
     browser.wait("document.body.ariaBusy === 'false' && !unsaved && !steps")
 
 
+STEPS_IN_VIEW = (
+    "(bar => [Math.round(bar.top), bar.bottom > 30, document.documentElement.scrollWidth <= innerWidth])"
+    "(document.querySelector('#steps').getBoundingClientRect())"
+)
+
+
+def report_open(browser):
+    """Wait until the report is loaded."""
+    browser.wait("location.pathname.endsWith('report.html') && document.readyState === 'complete'")
+
+
 class TestFiveSteps:
     pytestmark = in_browser
 
@@ -266,18 +276,27 @@ class TestFiveSteps:
             browser.wait("document.querySelector('#state').textContent === 'done'", seconds=300)
             assert browser.text("#screen").count(": done") == 3 - len(names_done)
             assert [path.stat().st_mtime_ns for path in finished] == times_before
-            # 5: the answer takes the place of all else; comparison, export
-            browser.wait("document.querySelector('#report')")
-            click(browser, "#show a")
-            browser.wait("getComputedStyle(document.querySelector('#report')).display === 'block'")
+            # 5: the report takes the place of the page, under the bar of the steps; no frame, one bar scrolls
+            browser.wait("document.querySelector('#show')")
+            click(browser, "#show")
+            report_open(browser)
+            assert "3 results:" in browser.text("body")
+            assert browser.text("#results").count("To halve the ± of the contact area: ") == 3
+            for width in (400, 1200):
+                browser.resize(width)
+                browser.evaluate("document.documentElement.scrollTo(0, 5000)")
+                assert browser.evaluate(STEPS_IN_VIEW) == [0, True, True], width
+                assert browser.evaluate("document.querySelectorAll('iframe, frame, object').length") == 0
+            browser.evaluate("document.documentElement.scrollTo(0, 0)")
+            picture(browser, "app-look")
+            # what lies beside, and back
+            click(browser, "#steps summary")
+            browser.wait("document.querySelector('#results').checkVisibility()")
+            click(browser, "#steps a[href$='#exports']")
+            browser.wait("location.hash === '#exports' && document.querySelector('#preview pre')")
+            assert "opened in another page" not in browser.text("body")
             browser.wait("document.querySelector('#results').children.length === 3")
             assert browser.text("#results").count("To halve the ± of the contact area: ") == 3
-            for width in (400, 1200):  # one bar scrolls
-                browser.resize(width)
-                assert browser.evaluate("document.documentElement.scrollHeight <= innerHeight"), width
-            assert browser.evaluate("document.querySelector('nav').getBoundingClientRect().top") >= 0
-            assert "3 results:" in browser.text_of_frame()
-            picture(browser, "app-look")
             click(browser, "#compare")
             browser.wait("document.querySelector('#answer').textContent.includes('numbers')")
             assert browser.text("#command").startswith("roughcontact compare results/")
@@ -511,9 +530,11 @@ class TestJobsToTheirAnswers:
                 step(fill, name, EXAMPLES.get(name) or example(name))
             step(click, "#start")
             chromium.wait("document.querySelector('#state').textContent === 'done'", seconds=300)
-            chromium.wait("document.querySelector('#report')")
-            step(click, "#show a")
-            report = " ".join(chromium.text_of_frame().split())
+            chromium.wait("document.querySelector('#show')")
+            steps.append("#show")
+            click(chromium, "#show")
+            report_open(chromium)
+            report = " ".join(chromium.text("body").split())
             main_results = report.partition("How to read this page")[2][:4000]
             assert ANSWERS[job] in main_results, main_results
             assert len(steps) <= 12
@@ -740,7 +761,7 @@ class TestWhoIsRefused:
 
     def test_dropped_files_stay_in_their_folder_and_write_over_nothing(self, study):
         folder, address = study
-        name = re.search(r'data-page="(\w+)"', get(f"{address}?here")[1])[1]
+        name = re.search(r'data-page="(\w+)"', get(address)[1])[1]
 
         to = f"{address}drop?page={name}&name="
         assert get(to + "../../one.txt", method="POST", body=b"1") == (200, "measured/one.txt")
@@ -858,7 +879,6 @@ class TestNothingOutsideTheStudy:
             yield b"echo evil"
 
         form = {**fields, "page.result": "one", "page.before": "one", "page.form": ".csv"}
-        form = QueryParams(urllib.parse.urlencode(form))
         actions = {name: partial(Page().after, name, form) for name in ("write", "start", "export")}
         actions["drop"] = lambda: asyncio.run(save_upload("new.txt", content()))
         actions["serve"] = partial(server.serve, study)
@@ -901,7 +921,7 @@ class TestFilesOfOthers:
             (tmp_path / "config/config.yaml").write_text(yaml.safe_dump(config))
             page = Page()
             page_text = page.first("a page")
-            answer = page.after("check", QueryParams(urllib.parse.urlencode(form_fields(page_text))))
+            answer = page.after("check", form_fields(page_text))
             assert "please report" not in page_text + answer, config
             lines_shown = [
                 line.strip() for line in html.unescape(page_text + answer).replace(">", ">\n").splitlines()
@@ -922,7 +942,7 @@ class TestFilesOfOthers:
         (tmp_path / "config/surfaces.tsv").write_text(f"{header}\none\tone.x3p\tx\n")
         page = Page()
         page_text = page.first("a page")
-        answer = page_text + page.after("check", QueryParams(urllib.parse.urlencode(form_fields(page_text))))
+        answer = page_text + page.after("check", form_fields(page_text))
         assert re.search("unknown, valid are|occurs twice", answer)
 
     def test_a_file_is_opened_once(self, tmp_path, monkeypatch):
@@ -955,16 +975,16 @@ class TestFilesOfOthers:
         monkeypatch.chdir(tmp_path)
         path = tmp_path / "results/one/panel.json"
         write_summary(SUMMARY, path)
-        assert "<b>one</b>: " in Page().after("check", QueryParams(""))
+        assert "<b>one</b>: " in Page().after("check", {})
         for content in ("", "[" * 10**5, json.dumps(SUMMARY | {"verdict": []}), '{"verdict": 1}', "null"):
             path.write_text(content)
             with pytest.raises(InputFileError, match=r"results/one/panel\.json: no summary of a panel"):
-                Page().after("check", QueryParams(""))
+                Page().after("check", {})
 
     def test_an_unforeseen_error_is_a_sentence_of_the_page(self, tmp_path, monkeypatch):
         with served(tmp_path / "study") as address:
             press = opened(address)
-            for action, form in (("set", {}), ("add", {}), ("more", {}), ("check", {"page.selected": "x"})):
+            for action, form in (("set", {}), ("add", {}), ("more", {}), ("check", {"page.pick.x": ""})):
                 status, answer = press(action, form)
                 assert (status, "unexpected, please report it)" in answer) == (400, True)
 
@@ -1016,7 +1036,7 @@ class TestOtherUsers:
                     silent.sendall((b"", b"GET", b"GET / HTTP/1.1\r\nHost: a\r\n")[number % 3])
             press = opened(address)
             assert press("state")[0] == 200
-            name = re.search(r'data-page="(\w+)"', get(f"{address}?here")[1])[1]
+            name = re.search(r'data-page="(\w+)"', get(address)[1])[1]
             slow = connections.enter_context(socket.create_connection(("127.0.0.1", port), timeout=30))
             target = f"{urllib.parse.urlsplit(address).path}drop?page={name}&name=a.txt"
             head = f"POST {target} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Length: 7\r\n\r\n"
@@ -1066,18 +1086,19 @@ class TestPages:
         browser.wait("document.querySelector('#problem').textContent.startsWith('No answer: start')")
         assert browser.problems == []
 
-    def test_a_second_page_waits_until_the_first_is_closed(self, tmp_path, browser):
+    def test_a_page_that_comes_back_from_the_history_is_loaded_again(self, tmp_path, browser):
+        (tmp_path / "study/results").mkdir(parents=True)
+        (tmp_path / "study/results/report.html").write_text("<html><head></head><body>old</body></html>")
         with served(tmp_path / "study") as address:
             browser.open(address)
-            browser.wait("document.querySelector('#preview pre')")
-            first_page = browser.new_page()
-            browser.open(address)
-            assert "is open in another page" in browser.text("body")
-            assert get(address)[0] == 409
-            second_page, browser.session = browser.session, first_page
-            browser.send("Page.close")
-            browser.session = second_page
-            browser.wait("document.querySelector('#preview pre')", seconds=30)
+            browser.wait("document.querySelector('#show') && document.querySelector('#preview pre')")
+            click(browser, "#show")
+            report_open(browser)
+            browser.evaluate("history.back()")
+            browser.wait(f"location.href === '{address}' && document.querySelector('#preview pre')")
+            click(browser, "[name='page.job'][value=friction]")
+            browser.wait("document.querySelector('#fields h2').textContent === '3 Friction'")
+            assert browser.text("#problem") == ""
 
     def test_a_page_of_another_origin_gets_nothing(self, tmp_path, browser):
         """The page of another port of this computer, which even knows the token."""
@@ -1143,7 +1164,9 @@ class TestPages:
             browser.open(f"{address}results/report.html")
             browser.wait("document.title.includes('answer')")
             assert browser.evaluate("document.title").endswith("no answer")
-            browser.evaluate("document.querySelector('a').click()")  # its links lead to files
+            browser.evaluate(
+                "document.querySelector('a[href=\"one.txt\"]').click()"
+            )  # its links lead to files
             browser.wait("document.body.textContent.includes('the first')")
 
     def test_what_is_typed_stays_when_mistakes_come_and_go(self, tmp_path, browser):
@@ -1256,7 +1279,6 @@ def reloaded_after_typing(browser, study, text, seconds):
     browser.evaluate("window.isOld = true")
     browser.send("Page.reload")
     browser.wait("!window.isOld && document.readyState === 'complete'")
-    assert "is open in another page" not in browser.text("body")
     browser.wait("document.querySelector('#preview pre')")
     assert browser.evaluate("document.getElementById('statistics.friction.coefficient').value") == text
     config = yaml.safe_load((study / "config/config.yaml").read_text())
@@ -1290,15 +1312,16 @@ class TestNothingLost:
             rows_read(browser, 3)
             assert "1 back" in browser.text("#added")
             assert len((study / "config/surfaces.tsv").read_text().splitlines()) == 5
-            # another page says what is, and may take the study over
+            # another page takes the study over as it is, and the first one says so
             first_page = browser.new_page()
             browser.open(address)
-            assert "is open in another page, and everything in it is saved" in browser.text("body")
-            click(browser, "header a")
             browser.wait("document.querySelectorAll('.row').length === 3")
             browser.wait("document.getElementById('statistics.friction.coefficient').value === '0.3'")
             browser.session = first_page
             browser.wait("document.querySelector('#problem').textContent.includes('opened in another page')")
+            fill(browser, "statistics.friction.coefficient", "0.9")
+            browser.evaluate("new Promise(kept => setTimeout(kept, 500))")
+            assert "0.9" not in (study / "config/config.yaml").read_text()
             assert browser.problems == []
 
     @pytest.mark.slow
@@ -1460,11 +1483,11 @@ class TestForm:
         (tmp_path / "config").mkdir()
         (tmp_path / "config/config.yaml").write_text(yaml.safe_dump(config))
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tmeasured/one.x3p\n")
-        sent = Page().after("write", QueryParams(urllib.parse.urlencode(form_fields(Page().first("a page")))))
+        sent = Page().after("write", form_fields(Page().first("a page")))
         assert "saved in config/config.yaml and config/surfaces.tsv" in sent
         written = (tmp_path / "config/config.yaml").read_text()
         assert resolve(yaml.safe_load(written)) == resolve(config)
-        Page().after("write", QueryParams(urllib.parse.urlencode(form_fields(Page().first("a page")))))
+        Page().after("write", form_fields(Page().first("a page")))
         assert (tmp_path / "config/config.yaml").read_text() == written
 
     @pytest.mark.parametrize("job", JOBS)
@@ -1514,12 +1537,12 @@ class TestForm:
         maps(tmp_path / "measured", 8)
         page = Page()
         page.first("a page")
-        page.after("write", QueryParams(urllib.parse.urlencode(STUDY)))
+        page.after("write", STUDY)
         damaged = (tmp_path / "config/config.yaml").read_text() + "statistics: {"
         (tmp_path / "config/config.yaml").write_text(damaged)
         page = Page()
         assert "config/config.yaml" in page.first("a page")
-        answer = page.after("write", QueryParams(urllib.parse.urlencode(STUDY)))
+        answer = page.after("write", STUDY)
         assert "what was there is kept as config/config.yaml.before-page" in answer
         assert (tmp_path / "config/config.yaml.before-page").read_text() == damaged
 

@@ -1,6 +1,5 @@
 """What a study may ask: the fields of each question, by the names of settings and of columns of the table."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,23 +24,12 @@ JOBS = {
     for key, job in yaml.safe_load(_FILE.read_text(encoding="utf-8")).items()
 }
 # loads and forms, of which a study has one kind: those of another job are set aside
-_LOADS = {
-    name
-    for job in JOBS.values()
-    for name in (*job.settings, *job.made)
-    if "bodies" not in name and not name.startswith("statist")
-}
+_LOADS = ("contact.mean_pressure", "contact.force", "contact.boundary", "form.radius")
 
 
-def texts_for(job: str, texts: Mapping[str, str], aside: dict[str, str], *, former: str) -> dict[str, str]:
-    """Return the texts of a form for a job: loads of a former one are kept `aside` until it is back."""
-    others = _LOADS - {*JOBS[job].settings} if former else {*()}
-    aside |= {name: text for name, text in texts.items() if text and _listed(name) in others}
-    returned = [name for name in aside if _listed(name) not in others]
-    kept_texts = {name: text for name, text in texts.items() if _listed(name) not in others}
-    return kept_texts | {name: aside.pop(name) for name in returned} | JOBS[job].made
-
-
-def _listed(name: str) -> str:
-    """Return the name of a field, of an entry of a list that of the list."""
-    return re.sub(r"\.\d+$", "", name)
+def texts_for(job: str, texts: Mapping[str, str], aside: dict[str, str]) -> dict[str, str]:
+    """Return the texts of a form for a job: those of another are kept `aside` until it is back."""
+    aside |= {name: text for name, text in texts.items() if text and name.startswith(_LOADS)}
+    of_job = [name for name in aside if name.startswith(tuple(JOBS[job].settings))]
+    others = {name: text for name, text in texts.items() if not name.startswith(_LOADS)}
+    return others | {name: aside.pop(name) for name in of_job} | JOBS[job].made

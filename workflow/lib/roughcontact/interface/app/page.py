@@ -1,11 +1,11 @@
 """What each button of the page does, and the page after it."""
 
-import shlex
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from starlette.datastructures import QueryParams
+from jinja2 import Template
 
 from roughcontact.arguments import named_materials, rectangles, units
 from roughcontact.arguments.settings import fields, generated, models, plausible
@@ -16,43 +16,53 @@ from roughcontact.statistics import outcome
 from roughcontact.study import surfaces
 
 FOLDER = Path(__file__).with_name("page")
-_TEMPLATE = template("page.html", folder=FOLDER)
+_PAGE, _BAR = (template(name, folder=FOLDER) for name in ("page.html", "bar.html"))
 # what the templates read of the settings, the table and the results
 _MODULES = (
     *(commands, fields, generated, jobs, models, named_materials, outcome, plausible, rectangles),
     *(surfaces, units),
 )
+_PICK = "page.pick."  # of a row that is ticked, its number
 _SECTIONS = ("problem", "question", "files", "fields", "run", "look")
 _OF_ROWS = ("add", "set", "remove", "undo", "all")
 _PLAIN = ("check", "state", "export", "look", "all")  # buttons that change neither settings nor table
 
 
 class Page:
-    """The page of a study: `messages` are what its buttons have done."""
+    """The page of a study: `messages` are what its buttons have done, `name` is that of the open one."""
 
     def __init__(self) -> None:
+        self.name = ""
         self.run, self.reader = commands.Run(), measurements.Reader()
         self.messages = dict.fromkeys(("add", "write", "command", "look"), "")
         self.of_study: dict[str, Any] | None = None  # settings of results, where the form has no mistakes
         self.revision = 0  # of the rows: their fields are made anew where not the user has changed them
         self.context: dict[str, Any] = {"config": {}, "table": [], "job": "", "files": {}, "mistakes": {}}
-        self.context |= {"bodies": [], "form": QueryParams(), "chosen": {*()}}
+        self.context |= {"bodies": [], "form": {}, "chosen": {*()}}
         self.omitted: list[study.Row] = []  # rows that were left out last
         self.aside: dict[str, str] = {}  # loads of another question
         self.files_read = 0  # when the table was drawn
         self.is_unread = False  # whether files of the study could not be read
 
     def first(self, name: str) -> str:
-        """Return the page of the study folder, under a name; without one that of a study open elsewhere."""
-        sections = _SECTIONS if name else ()
+        """Return the page of the study folder, under a name."""
+        self.name = name
         try:
             self.context |= zip(("config", "table", "job"), study.read_folder(), strict=True)
-            return self.html(sections, name=name)  # the script asks for the rest at once
+            return self.html(_SECTIONS)  # the script asks for the rest at once
         except Exception as error:  # the files may be of anybody
             self.is_unread = True
-            return self.html(sections, name=name, problem=study.error_in_words(error))
+            return self.html(_SECTIONS, problem=study.error_in_words(error))
 
-    def after(self, action: str, form: QueryParams) -> str:
+    def with_bar(self, report: Path, home: str) -> str:
+        """Return a page of the results below the bar of this one, which lies at `home`."""
+        # before the policy of the report, which admits no style but its own
+        style = f"<head><style>{(FOLDER / 'bar.css').read_text(encoding='utf-8')}</style>"
+        text = report.read_text(encoding="utf-8", errors="replace").replace("<head>", style, 1)
+        bar = self._filled(_BAR, home=home)
+        return re.sub("<body[^>]*>", lambda body: body[0] + bar, text, count=1)
+
+    def after(self, action: str, form: Mapping[str, str]) -> str:
         """Return the page after the action of a button."""
         if action == "state":
             is_new = self.reader.count() != self.files_read
@@ -61,10 +71,11 @@ class Page:
         texts |= {form["page.more"]: ""} if action == "more" else {}
         job = form.get("page.job", self.context["job"])
         if job in jobs.JOBS and job != self.context["job"]:
-            texts = jobs.texts_for(job, texts, self.aside, former=self.context["job"])
+            texts = jobs.texts_for(job, texts, self.aside)
         config = fields.grouped(texts)
         rows = config.pop("rows", [])
-        rows, chosen = self._rows_after(action, form, rows, {*map(int, form.getlist("page.selected"))})
+        chosen = {int(name.removeprefix(_PICK)) for name in form if name.startswith(_PICK)}
+        rows, chosen = self._rows_after(action, form, rows, chosen)
         if action == "cancel":
             self.run.cancel()
         elif action == "export":
@@ -86,13 +97,12 @@ class Page:
         return self.html(_SECTIONS[1:] if action == "check" else _SECTIONS)  # what has gone wrong stays
 
     def _rows_after(
-        self, action: str, form: QueryParams, rows: list[study.Row], chosen: set[int]
+        self, action: str, form: Mapping[str, str], rows: list[study.Row], chosen: set[int]
     ) -> tuple[list[study.Row], set[int]]:
         """Return the rows, and the numbers of those that are ticked, after the action of a button."""
         self.revision += action in _OF_ROWS
         if action == "add":  # those that are new are ticked
-            paths = form.getlist("page.dropped") or [form["page.path"]]
-            new, self.messages["add"] = measurements.further(paths, rows)
+            new, self.messages["add"] = measurements.further(form["page.path"].split("\n"), rows)
             return [*rows, *new], {*range(len(rows), len(rows) + len(new))}
         if action == "set":
             cell = {form["page.column"]: form["page.cell"]}
@@ -109,10 +119,13 @@ class Page:
 
     def html(self, sections: Sequence[str], **variables: Any) -> str:
         """Return sections of the page."""
-        context = {module.__name__.rpartition(".")[2]: module for module in _MODULES} | vars(self)
-        context |= {"name": "", "problem": "", "sections": sections, "folder": Path.cwd()}
-        context |= {"screen": self.run.state(), "in_terminal": shlex.join(["cd", str(Path.cwd())])}
+        context: dict[str, Any] = {"problem": "", "sections": sections, "screen": self.run.state()}
         if "files" in sections:
             self.files_read = self.reader.count()
             context["rows"] = self.reader.inspected(self.context["table"])
-        return _TEMPLATE.render(context | self.context | variables)
+        return self._filled(_PAGE, **context | variables)
+
+    def _filled(self, template: Template, **variables: Any) -> str:
+        """Return a template with what all of them may need."""
+        modules = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
+        return template.render(modules | vars(self) | self.context | {"folder": Path.cwd()} | variables)

@@ -1,4 +1,4 @@
-"""The server of the page: on the loopback interface, for one page with the token in its address."""
+"""The server of the page: on the loopback interface, for this computer and those who know the token."""
 
 import asyncio
 import os
@@ -7,54 +7,69 @@ import signal
 import socket
 import sys
 import webbrowser
+from collections.abc import Sequence
 from pathlib import Path
+from urllib.parse import parse_qsl
 
 import uvicorn
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
-from starlette.datastructures import QueryParams
 from starlette.middleware import Middleware
 from starlette.middleware.base import BaseHTTPMiddleware, RequestResponseEndpoint
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from roughcontact.errors import SettingsError
-from roughcontact.interface.app.access import Claim, Connection, headers_of, is_admitted
 from roughcontact.interface.app.measurements import cut, save_upload, whole
 from roughcontact.interface.app.page import FOLDER, Page
 from roughcontact.interface.app.study import check_within_study, error_in_words
 from roughcontact.study.run_lock import lock_file
 
 _TRIES = 75  # of 20 ms, in which a page that is closed says so
+_MAX_CONNECTIONS = 40  # with three times those accepted at once fewer than the files a process may open
+_SILENCE = 5.0  # s after which a connection without a whole request ends
 _LOCK, _OPENING = Path(".snakemake/page"), Path(".snakemake/page.html")
+_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+# a report, which may be of another's study, is an origin of its own: its scripts reach nothing here
+_POLICY_OF_RESULTS = "sandbox allow-scripts allow-popups allow-downloads; frame-ancestors 'none'"
+_HEADERS = {
+    "Cache-Control": "no-store",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
 
 
 def application(page: Page, *, token: str, port: int) -> Starlette:
     """Return the application of the study in the working directory."""
-    claim, one_by_one = Claim(), asyncio.Lock()
+    one_by_one = asyncio.Lock()
 
     async def first(request: Request) -> Response:
         for _ in range(_TRIES):  # the same page before it was loaded again may still say farewell
-            if name := claim.open(here="here" in request.query_params):
-                break
-            await asyncio.sleep(0.02)
+            if page.name:
+                await asyncio.sleep(0.02)
         async with one_by_one:
-            return HTMLResponse(page.first(name), 200 if name else 409, {} if name else {"Refresh": "2"})
+            return HTMLResponse(page.first(secrets.token_hex(8)))
 
     async def answer(request: Request) -> Response:
         action, query = request.path_params["action"], request.query_params
-        claim.check(query.get("page", ""))
+        if query.get("page") != page.name:
+            raise SettingsError("This study was opened in another page: reload this one to use it here")
         if action == "drop":
             return PlainTextResponse(await save_upload(query.get("name", ""), request.stream()))
-        form = QueryParams(await request.body())
+        form = dict(parse_qsl((await request.body()).decode(), keep_blank_values=True))
         try:
             async with one_by_one:  # a page that is left sends what was typed last, if anything
                 text = await run_in_threadpool(page.after, action, form) if form or action != "leave" else ""
         finally:
             if action == "leave":  # what the next page shows is written
-                claim.close()
+                page.name = ""
         return HTMLResponse(text)
 
     def of_map(request: Request) -> Response:
@@ -67,24 +82,65 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         )
 
     async def guard(request: Request, call_next: RequestResponseEndpoint) -> Response:
+        _, word, *path = request.url.path.split("/")
         try:
-            admitted = is_admitted(request, token=token, hosts=hosts)
+            admitted = is_admitted(request, path, port) and secrets.compare_digest(
+                *map(str.encode, (word, token))
+            )
             response = await call_next(request) if admitted else PlainTextResponse("refused", 403)
         except Exception as error:  # whatever it is
             response = HTMLResponse(page.html(["problem"], problem=error_in_words(error)), 400)
-        response.headers.update(headers_of(request.url.path))
+        policy = _POLICY_OF_RESULTS if path[:1] == ["results"] else _POLICY
+        response.headers.update(_HEADERS | {"Content-Security-Policy": policy})
         return response
 
+    def report(request: Request) -> Response:
+        file, found = results.lookup_path(f"{request.path_params['name']}.html")
+        return HTMLResponse(page.with_bar(Path(file), f"/{token}/") if found else "", 200 if found else 404)
+
+    results = StaticFiles(directory="results", check_dir=False)
     routes = [
         Route("/", first),
         Route("/map/{key}", of_map),
         Route("/{action}", answer, methods=["POST"]),
+        Route("/results/{name:path}.html", report),
         Mount("/page", StaticFiles(directory=FOLDER)),
-        Mount("/results", StaticFiles(directory="results", check_dir=False)),
+        Mount("/results", results),
     ]
-    hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
     guard_layer = Middleware(BaseHTTPMiddleware, dispatch=guard)
     return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=[guard_layer])
+
+
+def is_admitted(request: Request, path: Sequence[str], port: int) -> bool:
+    """Return whether a request for a path names this host, and comes from its own page or from none."""
+    host, site = request.headers.get("host", ""), request.headers.get("sec-fetch-site", "none")
+    same_origin = request.headers.get("origin", f"http://{host}") == f"http://{host}"
+    # links of the report, an origin of its own, and the file that opens the page are followed
+    is_link = path[:1] in (["results"], [""]) and request.headers.get("sec-fetch-mode") == "navigate"
+    from_page = site in ("none", "same-origin") or is_link
+    return host in (f"127.0.0.1:{port}", f"localhost:{port}") and same_origin and from_page
+
+
+class Connection(H11Protocol):
+    """A connection that ends where no whole request comes in time; of too many one that waits makes room."""
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn has it
+        """Begin to wait for a request."""
+        super().connection_made(transport)
+        self.timeout_keep_alive_task = self.loop.call_later(_SILENCE, self.timeout_keep_alive_handler)
+        rivals = [peer for peer in self.connections if isinstance(peer, Connection) and peer is not self]
+        waiting = [
+            peer for peer in rivals if peer.timeout_keep_alive_task and not peer.transport.is_closing()
+        ]
+        if len(waiting) > _MAX_CONNECTIONS:
+            waiting[0].transport.abort()
+
+    def data_received(self, data: bytes) -> None:
+        """Read a part of a request, which in uvicorn gives time for the rest without limit."""
+        self.conn.receive_data(data)
+        self.handle_events()
+        if self.cycle and not self.cycle.response_complete:
+            self._unset_keepalive_if_required()
 
 
 def open_in_browser(address: str) -> None:

@@ -37,8 +37,8 @@ async function send(action, more) {
 async function upload(files) {
   const responses = [], paths = [];
   for (const file of files) responses.push(await fetch(`drop?page=${page}&name=${encodeURIComponent(file.name)}`, { method: "POST", body: file }));
-  for (const response of responses) if (response.ok) paths.push(["page.dropped", await response.text()]);
-  if (paths.length) await send("add", paths);
+  for (const response of responses) if (response.ok) paths.push(await response.text());
+  if (paths.length) await send("add", [["page.path", paths.join("\n")]]);
   for (const response of responses) if (!response.ok) await put(response);
 }
 
@@ -110,5 +110,6 @@ document.addEventListener("pointerup", event => {
 
 for (const name of ["beforeunload", "pagehide"])  // before the next page is asked for, and when this one ends otherwise
   window.addEventListener(name, () => navigator.sendBeacon(`leave?page=${page}`, unsaved ? fields() : ""));
+window.addEventListener("pageshow", event => { if (event.persisted) location.reload(); });  // one that was left has no name
 ask("check");
 setInterval(() => { if (!steps) ask("state"); }, 1000);
