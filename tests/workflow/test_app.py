@@ -1483,11 +1483,12 @@ class TestForm:
         (tmp_path / "config").mkdir()
         (tmp_path / "config/config.yaml").write_text(yaml.safe_dump(config))
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tmeasured/one.x3p\n")
-        sent = Page().after("write", form_fields(Page().first("a page")))
+        page = Page()
+        sent = page.after("write", form_fields(page.first("a page")))
         assert "saved in config/config.yaml and config/surfaces.tsv" in sent
         written = (tmp_path / "config/config.yaml").read_text()
         assert resolve(yaml.safe_load(written)) == resolve(config)
-        Page().after("write", form_fields(Page().first("a page")))
+        page.after("write", form_fields(page.first("a page")))
         assert (tmp_path / "config/config.yaml").read_text() == written
 
     @pytest.mark.parametrize("job", JOBS)

@@ -29,10 +29,10 @@ _PLAIN = ("check", "state", "export", "look", "all")  # buttons that change neit
 
 
 class Page:
-    """The page of a study: `messages` are what its buttons have done, `name` is that of the open one."""
+    """The page of a study: `messages` are what its buttons have done, `name` is that of the last one."""
 
     def __init__(self) -> None:
-        self.name = ""
+        self.name, self.is_open = "", False
         self.run, self.reader = commands.Run(), measurements.Reader()
         self.messages = dict.fromkeys(("add", "write", "command", "look"), "")
         self.of_study: dict[str, Any] | None = None  # settings of results, where the form has no mistakes
@@ -46,7 +46,7 @@ class Page:
 
     def first(self, name: str) -> str:
         """Return the page of the study folder, under a name."""
-        self.name = name
+        self.name, self.is_open = name, True
         try:
             self.context |= zip(("config", "table", "job"), study.read_folder(), strict=True)
             return self.html(_SECTIONS)  # the script asks for the rest at once

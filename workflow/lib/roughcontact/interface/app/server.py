@@ -52,7 +52,7 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
 
     async def first(request: Request) -> Response:
         for _ in range(_TRIES):  # the same page before it was loaded again may still say farewell
-            if page.name:
+            if page.is_open:
                 await asyncio.sleep(0.02)
         async with one_by_one:
             return HTMLResponse(page.first(secrets.token_hex(8)))
@@ -61,6 +61,7 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         action, query = request.path_params["action"], request.query_params
         if query.get("page") != page.name:
             raise SettingsError("This study was opened in another page: reload this one to use it here")
+        page.is_open = True
         if action == "drop":
             return PlainTextResponse(await save_upload(query.get("name", ""), request.stream()))
         form = dict(parse_qsl((await request.body()).decode(), keep_blank_values=True))
@@ -69,7 +70,7 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
                 text = await run_in_threadpool(page.after, action, form) if form or action != "leave" else ""
         finally:
             if action == "leave":  # what the next page shows is written
-                page.name = ""
+                page.is_open = False
         return HTMLResponse(text)
 
     def of_map(request: Request) -> Response:
