@@ -1521,7 +1521,7 @@ class TestForm:
         page = Page()
         page.first("a page")
         page.reader.pool.shutdown()
-        options = re.findall("<option[^>]*>([^<]*)", page.html(["files"]).partition("rows.0.channel")[2])
+        options = re.findall("<option[^>]*>([^<]*)", page.html().partition("rows.0.channel")[2])
         assert options[:3] == ["default: Topography", "Topography forward", "Topography"]
 
     def test_columns_are_explained_by_columns_not_by_options(self, tmp_path, monkeypatch):

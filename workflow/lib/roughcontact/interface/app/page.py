@@ -1,7 +1,7 @@
 """What each button of the page does, and the page after it."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,6 @@ _MODULES = (
     *(surfaces, units),
 )
 _PICK = "page.pick."  # of a row that is ticked, its number
-_SECTIONS = ("problem", "question", "files", "fields", "run", "look")
 _OF_ROWS = ("add", "set", "remove", "undo", "all")
 _PLAIN = ("check", "state", "export", "look", "all")  # buttons that change neither settings nor table
 
@@ -41,7 +40,7 @@ class Page:
         self.context |= {"bodies": [], "form": {}, "chosen": {*()}}
         self.omitted: list[study.Row] = []  # rows that were left out last
         self.aside: dict[str, str] = {}  # loads of another question
-        self.files_read = 0  # when the table was drawn
+        self.shown: tuple[object, ...] = ()  # the news when the page was last drawn
         self.is_unread = False  # whether files of the study could not be read
 
     def first(self, name: str) -> str:
@@ -49,10 +48,10 @@ class Page:
         self.name, self.is_open = name, True
         try:
             self.context |= zip(("config", "table", "job"), study.read_folder(), strict=True)
-            return self.html(_SECTIONS)  # the script asks for the rest at once
+            return self.html(problem="")  # the script asks for the rest at once
         except Exception as error:  # the files may be of anybody
             self.is_unread = True
-            return self.html(_SECTIONS, problem=study.error_in_words(error))
+            return self.html(problem=study.error_in_words(error))
 
     def with_bar(self, report: Path, home: str) -> str:
         """Return a page of the results below the bar of this one, which lies at `home`."""
@@ -65,8 +64,7 @@ class Page:
     def after(self, action: str, form: Mapping[str, str]) -> str:
         """Return the page after the action of a button."""
         if action == "state":
-            is_new = self.reader.count() != self.files_read
-            return self.html(["files"] * is_new + ["run"] + ["look"] * (not self.run.running()))
+            return self.html() if self.shown != self._news() else ""
         texts = {name: text for name, text in form.items() if not name.startswith("page.")}
         texts |= {form["page.more"]: ""} if action == "more" else {}
         job = form.get("page.job", self.context["job"])
@@ -94,7 +92,7 @@ class Page:
             if report["mistakes"]:
                 raise SettingsError("nothing is started: correct first what is listed under 4 Run")
             self.run.start()
-        return self.html(_SECTIONS[1:] if action == "check" else _SECTIONS)  # what has gone wrong stays
+        return self.html(**{} if action == "check" else {"problem": ""})  # what has gone wrong stays
 
     def _rows_after(
         self, action: str, form: Mapping[str, str], rows: list[study.Row], chosen: set[int]
@@ -117,13 +115,15 @@ class Page:
             return [*rows, *returned], {*()}
         return rows, {*range(len(rows))} if action == "all" else chosen
 
-    def html(self, sections: Sequence[str], **variables: Any) -> str:
-        """Return sections of the page."""
-        context: dict[str, Any] = {"problem": "", "sections": sections, "screen": self.run.state()}
-        if "files" in sections:
-            self.files_read = self.reader.count()
-            context["rows"] = self.reader.inspected(self.context["table"])
-        return self._filled(_PAGE, **context | variables)
+    def html(self, **variables: Any) -> str:
+        """Return the page."""
+        self.shown = self._news()
+        rows = self.reader.inspected(self.context["table"])
+        return self._filled(_PAGE, rows=rows, screen=self.run.state(), **variables)
+
+    def _news(self) -> tuple[object, ...]:
+        """Return what changes without a button: how many files are read, and the screen of the run."""
+        return self.reader.count(), self.run.state()
 
     def _filled(self, template: Template, **variables: Any) -> str:
         """Return a template with what all of them may need."""

@@ -90,7 +90,7 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
             )
             response = await call_next(request) if admitted else PlainTextResponse("refused", 403)
         except Exception as error:  # whatever it is
-            response = HTMLResponse(page.html(["problem"], problem=error_in_words(error)), 400)
+            response = PlainTextResponse(error_in_words(error), 400)
         policy = _POLICY_OF_RESULTS if path[:1] == ["results"] else _POLICY
         response.headers.update(_HEADERS | {"Content-Security-Policy": policy})
         return response

@@ -20,7 +20,8 @@ function merge(old, now) {
 }
 
 async function put(response) {
-  const answer = new DOMParser().parseFromString(await response.text(), "text/html");
+  const text = await response.text(), answer = new DOMParser().parseFromString(response.ok ? text : "", "text/html");
+  if (!response.ok) element("problem").textContent = text;
   const focus = answer.querySelector("[autofocus]");
   for (const now of answer.querySelectorAll("main > *")) merge(element(now.id), now);
   if (focus) element(focus.id).focus();
