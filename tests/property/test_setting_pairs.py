@@ -243,7 +243,9 @@ WITHIN = {
 # of the numbers that have laws of their own here, since all lengths and forces are scaled
 FURTHER_LAWS = {
     "force": Law(0, 2, 1),
-    **dict.fromkeys(["contact_area", "local_contact_area", "greenwood_tripp_contact_area"], Law(0, 2, 0)),
+    **dict.fromkeys(
+        ["contact_area", "joint_area", "local_contact_area", "greenwood_tripp_contact_area"], Law(0, 2, 0)
+    ),
     **dict.fromkeys(["contact_radius", "hertz_radius", "loaded_radius", "hertz_approach"], Law(0, 1, 0)),
     **dict.fromkeys(["greenwood_tripp_loaded_radius", "local_mean_gap", "mutual_approach"], Law(0, 1, 0)),
     **dict.fromkeys(["hertz_max_pressure", "greenwood_tripp_max_pressure"], Law(0, 0, 1)),

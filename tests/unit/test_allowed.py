@@ -95,7 +95,9 @@ def test_the_totals_of_a_joint_are_ohms_law_and_fouriers():
     assert found["total_thermal_resistance"].item() == pytest.approx(2.5)
     assert found["temperature_drop"].item() == pytest.approx(12.5)
     assert found["total_force"].item() == pytest.approx(4.0)
+    assert found["joint_area"].item() == 4e-6  # by which the resistance is what is asked for
     by_contact = with_allowed(statistics, {"joint": None}, area=4e-6)
+    assert "joint_area" not in by_contact
     assert by_contact["total_electrical_resistance"].item() == pytest.approx(0.25e-3)
 
 

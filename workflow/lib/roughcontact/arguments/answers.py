@@ -153,7 +153,7 @@ ASKED_BY = {
     APPROACH: (APPROACH,),
     "sealing": ("leak_rate_x",),
     PEAK: ("contact_radius", "allowed_pressure"),
-    "conductance": ("joint_conductance", "temperature_drop", "allowed_resistance"),
+    "conductance": ("joint_conductance", "joint_area", "temperature_drop", "allowed_resistance"),
     "friction_coefficient": ("friction_coefficient",),
 }
 COMPARED = tuple(name for name, answer in ANSWERS.items() if answer.quantity == name)  # numbers of each load

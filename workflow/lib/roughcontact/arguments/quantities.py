@@ -39,8 +39,10 @@ class Unit(NamedTuple):
         --------
         >>> Unit(1e-6, "MPa").text(1.43e10)
         '14300 MPa'
+        >>> Unit(1.0, "").text(0.35)
+        '0.350'
         """
-        return f"{number(value * self.factor)} {self.symbol}"
+        return f"{number(value * self.factor)} {self.symbol}".rstrip()
 
     def interval(self, value: float, lower: float, upper: float) -> str:
         """Return a value (SI) with its interval in this unit, as `with_interval` writes it.

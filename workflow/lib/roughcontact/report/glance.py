@@ -118,6 +118,8 @@ def asked_columns(results: Sequence[xr.Dataset]) -> list[int]:
     >>> seal, bearing = xr.Dataset({"leak_rate_x": ("load", [1e-9])}), xr.Dataset({"allowed_pressure": 1e9})
     >>> [[HEADINGS[place] for place in asked_columns([result])[1:]] for result in (seal, bearing)]
     [['seals?'], ['contact area', 'pressure in contact', 'mean gap', 'largest pressure']]
+    >>> [HEADINGS[place] for place in asked_columns([xr.Dataset({"joint_area": 1e-6})])[1:]]
+    ['conductance']
     >>> [HEADINGS[place] for place in asked_columns([xr.Dataset({"contact_radius": ("load", [5e-5])})])[1:]]
     ['contact radius', 'largest pressure']
     """

@@ -94,9 +94,9 @@ def with_allowed(
     """Return statistics with the totals of seal and joint, and whether what is allowed holds.
 
     `settings` is their section (SI), `area` (m2) that of the contact, for joints without one. Added:
-    `TOTALS`, and for each allowed value `allowed_{name}`, `{name}_holds` (load: 1, 0, NaN where it is not
-    decided) and `{name}_holds_from` (Pa), the mean pressure from which on it holds (up to which, of a
-    pressure), with `_lower` and `_upper`.
+    `joint_area`, `TOTALS`, and for each allowed value `allowed_{name}`, `{name}_holds` (load: 1, 0, NaN
+    where it is not decided) and `{name}_holds_from` (Pa), the mean pressure from which on it holds (up to
+    which, of a pressure), with `_lower` and `_upper`.
 
     Examples
     --------
@@ -112,7 +112,8 @@ def with_allowed(
     for name, limit in (settings.get("requirement") or {}).items():
         properties |= {} if limit is None else {f"allowed_{name}": limit}
     complete = statistics.assign(_totals(statistics, properties))
-    columns: dict[str, Any] = {}
+    joint_area = (settings.get("joint") or {}).get("area")
+    columns: dict[str, Any] = {"joint_area": joint_area} if joint_area else {}
     for name, allowed in ALLOWED_VALUES.items():
         limit = properties.get(f"allowed_{name}")
         if limit is None or not any(number in complete for number in allowed.numbers):

@@ -337,7 +337,10 @@ class Window(Section):
 
 # of bodies and layers: `resolve` replaces it by the properties of the material
 MATERIAL = FieldInfo(
-    annotation=str, default=None, description="name of a material of the table", examples=["steel"]
+    annotation=str,
+    default=None,
+    description="name of a material of the table; others state their modulus and Poisson's ratio",
+    examples=["steel"],
 )
 
 
