@@ -19,7 +19,7 @@ from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile
 from roughcontact.io.request import Request
 from roughcontact.io.text.header import NUMBER, number_and_rounding
 from roughcontact.io.units import is_length, metres
-from roughcontact.io.vocabulary import pattern, words
+from roughcontact.io.vocabulary import pattern, rows_of, words
 
 #: Column of the table -> what it states.
 THINGS = {column: names[0] for column, names in words("thing").items()}
@@ -41,6 +41,8 @@ _COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*(?!point|p
 _COUNT = re.compile(r"[:=\s]\s*(\d{1,9})\W*$")
 _CLOSE, _WIDEST = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with their rounding
 _MAX_QUOTED = 3  # lines in a question
+# what a line may concern -> the keys that it asks for, and the sentence; of several the first counts
+_DOUBTS = {matter: (keys.split(), sentence) for matter, keys, sentence in rows_of("doubts.tsv")}
 
 
 class Length(NamedTuple):
@@ -120,6 +122,20 @@ def _matters(text: str) -> set[str]:
     return {matter for matter, says in _SAYS.items() if says.search(text)}
 
 
+def _count_beyond(heights: np.ndarray, limits: Sequence[float]) -> int:
+    """Return how many heights lie outside two limits, or beyond one: on the side that has the fewer of them.
+
+    Examples
+    --------
+    >>> _count_beyond(np.array([0.1, 0.2, 0.3, 9.0]), [5.0]), _count_beyond(np.arange(5.0), [1, 3])
+    (1, 2)
+    """
+    if not limits:
+        return 0
+    outside = [np.count_nonzero(heights < min(limits)), np.count_nonzero(heights > max(limits))]
+    return int(min(outside) if len(limits) == 1 else sum(outside))
+
+
 def sources(file: MeasuredFile, channel: Channel, request: Request) -> dict[str, str]:
     """Return where each thing that a map needs comes from, by the columns that state it."""
     fallback = "assumed" if channel.sources else file.format.partition(" (")[0]
@@ -169,56 +185,54 @@ def lines_not_used(
     stated_above = not request.has_steps(channel.shape) and any(
         "line" in channel.sources.get(step, "") for step in ("dx", "dy")
     )
+    texts = {"dx": quantity(dx, "m"), "dy": quantity(dy, "m")}
     exempt, listing, notes = ignored_lines(request), [], []
     for number, text in channel.unused:
         lengths = parse_lengths(text)
         values = [float(match) for match in _PLAIN.findall(text.replace(",", "."))]
-        where = f"line {number} says {text!r}"
         if lengths or values:
             listing.append(f"line {number}: {text}")
         if number in exempt:
             continue
-        unless = f", or ignore_lines = {number} where it does not concern the map"
         matters = _matters(text)
         used = sides if "step" in matters else lengths_used
-        strange = [length for length in lengths if length.value == length.value and not length.agrees(used)]
-        strange = [] if "elsewhere" in matters else strange
-        is_factor = "factor" in matters and bool(values) and values[-1] not in (0, 1)
+        numbered = [length for length in lengths if length.value == length.value]
+        strange = "elsewhere" not in matters and not all(length.agrees(used) for length in numbered)
         counts = _COUNTS.search(text)
         strange_points = counts is not None and {*map(int, counts.groups())} != {nx, ny}
+        contradicts = stated_above and (strange or strange_points)
         is_count = "points" in matters and not matters & {"marker", "elsewhere"}
         number_of = _COUNT.search(text) if is_count else None  # in words that are not known
         strange_count = number_of is not None and int(number_of[1]) not in (0, 1, nx, ny, nx * ny)
-        check = ""
-        # a line is quoted once, for the first matter that it may concern
-        if values and "marker" in matters and (count := int(np.sum(finite == values[-1]))):
-            points = f"{'is' if count == 1 else 'are'} {counted_noun(count, 'point')} with that height"
-            check = f"and there {points}: if missing, give missing_value"
-        elif is_integer and (is_factor or "fraction" in matters or (strange and "step" not in matters)):
-            raise InputFileError(
-                f"{where}, and all heights are whole numbers, as counts are: state it as 'Z factor', with "
-                f"the unit of the products{unless}",
-                keys=["ignore_lines"],
-            )
-        elif ("turned" in matters or _NO_HEIGHTS.search(text)) and not _DENIED.search(text):
-            check = "which is not used: check first_row, the sign, and whether these are heights"
-        elif stated_above and (strange or strange_points) and "step" in matters:
-            raise InputFileError(
-                f"{where}, which does not agree with steps of {quantity(dx, 'm')} and {quantity(dy, 'm')}: "
-                f"give dx, dy and unit{unless}",
-                keys=["dx", "dy", "unit", "ignore_lines"],
-            )
-        elif "fraction" in matters and lengths:
-            check = "which is not used: check the units"
-        elif "pixels" in matters and values != [1] and not _DENIED.search(text):
-            check = "which is not used: check the steps dx and dy"
-        elif (stated_above and (strange or strange_points)) or (strange_points and is_count) or strange_count:
-            check = "which is not used: check the steps dx and dy, and the units"
-        elif "lateral" not in matters and any(
+        is_factor = "factor" in matters and values and values[-1] not in (0, 1)
+        is_limit = matters >= {"limit", "validity"} and "lateral" not in matters and "%" not in text
+        limits = [length.value / height_factor for length in numbered] or values
+        beyond = _count_beyond(finite, limits) if is_limit else 0
+        marked = np.count_nonzero(finite == values[-1]) if values and "marker" in matters else 0
+        other_unit = "lateral" not in matters and any(
             length.bare and metres(length.unit) != height_factor and not length.agrees(lengths_used)
             for length in lengths
-        ):
-            check = "which is not used: check the units"
-        if check:
-            notes.append(f"{where}, {check}{unless}")
+        )
+        is_denied = _DENIED.search(text)
+        # what the line may concern, as in the table of doubts
+        applies = {
+            "limit": beyond,
+            "marker": marked,
+            "counts": is_integer
+            and (is_factor or "fraction" in matters or (strange and "step" not in matters)),
+            "turned": not is_denied and ("turned" in matters or _NO_HEIGHTS.search(text)),
+            "step": contradicts and "step" in matters,
+            "fraction": "fraction" in matters and lengths,
+            "pixels": not is_denied and "pixels" in matters and values != [1],
+            "size": contradicts or strange_count or (strange_points and is_count),
+            "unit": other_unit,
+        }
+        for keys, doubt in (_DOUBTS[matter] for matter in _DOUBTS if applies[matter]):
+            count = beyond or marked
+            points = f"there {'is' if count == 1 else 'are'} {counted_noun(count, 'point')}"
+            sentence = doubt.format(number=number, text=text, points=points, **texts)
+            if keys:
+                raise InputFileError(sentence, keys=keys)
+            notes.append(sentence)
+            break  # a line is quoted once
     return listing, notes

@@ -14,8 +14,8 @@ _MAX_DISTANCE = 20  # lines above the table that may contain headings
 _ENTRY = re.compile(r"[^\W\d][.)\]]?\s*[:=]\s*[-+.]?\d")  # a number behind a word: no heading
 # before the names
 _LABEL = re.compile(r"(?:columns?|fields|spalten|colonnes)\b\s*[:=]?\s+(?!\d)", re.IGNORECASE)
-# above a matrix, as ``Height (nm)``
-_HEADING = re.compile(rf"[^:=\d]{{1,{_MAX_LINE_LENGTH - 1}}}[)\]]")
+# above a matrix, as ``Height (nm)``, ``z/nm``
+_HEADING = re.compile(rf"[^:=\d]{{1,{_MAX_LINE_LENGTH - 1}}}(?:[)\]]|/\s*[^\W\d]+)")
 _WIDE_TABLE = 8  # columns; so many with one heading are the columns of a map
 
 # heading -> role of its column
@@ -151,7 +151,7 @@ def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
     if len(text) > _MAX_LINE_LENGTH or not text:
         return []
     has_delimiter = delimiter is not None and delimiter in text
-    cells = text.split(delimiter) if has_delimiter else re.split(r"\t|\s\s+", text)
+    cells = text.split(delimiter) if has_delimiter else re.split(r"\s*[\t,;]\s*|\s\s+", text)
     if not has_delimiter and all(map(is_length, text.split())):
         cells = text.split()
     while len(cells) > count and not cells[-1].strip():

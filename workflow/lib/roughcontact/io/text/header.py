@@ -130,18 +130,34 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
         if not text or len(line) > _MAX_LINE_LENGTH or _CAMERA.search(text):
             continue
         text = re.sub(r"\b(?:d?x\s*=\s*d?y)\s*(?==)", "step ", text)  # "dx = dy = 2 µm"
+        if '":' in text:  # JSON
+            text = text.strip("{}, ").replace('"', "")
         if len(text) > _MAX_PHRASE:
             text = re.sub(r"(\s)\s+", r"\1", text)
         pieces = _PIECES.split(text) if len(text) < _MAX_PHRASE else [text]
         if len(pieces) > 1 and (axis := _ONE_AXIS.fullmatch(text)):  # "x axis: 18 points, step 0.4 µm"
             pieces = [re.sub(r"^(\d+)\s+([^\W\d]+)$", r"\2 \1", piece) for piece in _PIECES.split(axis[2])]
             pieces = [re.sub(r"^([^\d:=]*[^\W\d])", rf"\1 {axis[1]}", piece) for piece in pieces]
-        found = [[*_parsed(piece, sign, alone=len(pieces) == 1)] for piece in pieces]
-        # all pieces are entries, or the line is one
+        alone = len(pieces) == 1
+        parsed = [(piece, [*_parsed(piece, sign, alone=alone)]) for piece in pieces]
+        found = [entries for piece, entries in parsed if entries or alone or not _is_prose(piece)]
+        # all pieces that may concern the map are entries, or the line is one
         for meaning, statement in chain(*found) if all(found) else _parsed(text, sign):
             located = statement._replace(line=number, text=text[:_LONGEST])
             by_meaning.setdefault(meaning, []).append(located)
     return by_meaning
+
+
+def _is_prose(text: str) -> bool:
+    """Return whether a piece has neither a number, a unit of length, nor a word that may concern the map."""
+    tokens = {*re.findall(r"\w+", text)} - {"in"}
+    return not (re.search(r"\d", text) or any(map(is_length, tokens)) or _asides().search(text))
+
+
+@cache
+def _asides() -> re.Pattern[str]:
+    """Return the pattern of all words that may concern the map."""
+    return re.compile("|".join(chain(*words("aside").values())), re.IGNORECASE)
 
 
 def _parsed(text: str, sign: str, *, alone: bool = True) -> Iterator[tuple[str, Statement]]:
@@ -263,13 +279,13 @@ def _entries(text: str, *, alone: bool) -> Iterator[tuple[str, str]]:
     head, *value_texts = re.split(r"\s*[:=]\s*", text)
     keys, values = [head], []
     # "h=305 w=75" is two entries; "file = C:/map" is one, as its second value is no number
-    numbers = all(NUMBER.match(value) or is_length(value) for value in value_texts)
+    numbers = all(NUMBER.match(value.lstrip("([")) or is_length(value) for value in value_texts)
     for value_text in value_texts[:-1] if numbers else ():  # a value, its unit, the next key
-        tokens = re.split(r"[\s;]+|,\s+", value_text)
-        tails = [" ".join(tokens[start:]).partition("(")[0] for start in range(len(tokens))]
-        start = next((start for start in range(1, len(tokens)) if _meaning(tails[start])), len(tokens) - 1)
-        values.append(" ".join(tokens[:start]))
-        keys.append(" ".join(tokens[start:]))
+        stops = [blank.span() for blank in re.finditer(r"[\s;]+|,\s+", value_text)] or [(0, 0)]
+        known = (span for span in stops if _meaning(value_text[span[1] :].partition("(")[0]))
+        stop, start = next(known, stops[-1])
+        values.append(value_text[:stop])
+        keys.append(value_text[start:])
     if values and all(key[:1].isalpha() for key in keys) and ("=" in text or _meaning(head)):
         yield from zip(keys, [*values, value_texts[-1]], strict=True)
     elif (stop := min((text.find(sign) for sign in ":=\t" if sign in text), default=-1)) > 0:
@@ -357,7 +373,8 @@ def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Stateme
         return
     if meaning in _TEXT_ENTRIES:
         no_unit = meaning in ("unit", "lateral_unit") or (meaning == "height_unit" and value[:1].isdigit())
-        if value and (is_length(value) or not no_unit):
+        no_date = meaning == "acquisition_time" and not re.search(r"\d\d", value)  # a heading
+        if value and (is_length(value) or not no_unit) and not no_date:
             yield meaning, Statement(value)
         return
     value = re.sub(r"[\[(](?=[-+.\d])|(?<=\d)[\])]", "", value.replace("×", "x").replace("*", "x"))

@@ -30,6 +30,11 @@ _GROUPS = {
 }
 _GROUPED = re.compile(r"[-+]?\d{1,3}(?:[ '’\xa0\u202f]\d{3})+(?:\.\d*)?")
 _ENTRY = re.compile(r"\s*[^\W\d][^;\t]*[:=]")  # a word that says of what the number is, as "Mean: 0.25"
+# a date, perhaps with the time of day, as a cell
+_DATE = re.compile(
+    r"(?:^|(?<=[;\t,\s]))((?:\d{4}([-/.])\d{1,2}\2\d{1,2}|\d{1,2}([-/.])\d{1,2}\3\d{4}))"
+    r"(?:[ T](\d{1,2}:\d\d(?::\d\d(?:[.,]\d+)?)?))?(?=[;\t,\s]|$)"
+)
 _MAX_HEADER_LINES = 100_000  # without empty lines
 _MAX_PREFIX = 2**16  # characters of a line that decide whether it contains numbers
 _WIDE_TABLE = 8  # columns; the headings of so many differ from one another
@@ -106,6 +111,8 @@ class Rows(NamedTuple):
 def split_text(text: str) -> tuple[list[Rows], list[int], Dialect, list[str]]:
     """Return the tables of a text, the numbers of points above the first, the dialect, and notes."""
     header, body = _unquoted(*split_header(text.splitlines()))
+    if any(map(_DATE.search, body[:1])):  # a date and the time of day become one word
+        body = [_DATE.sub(r"\1T\4", line) for line in body]
     body, footer, dialect = split_footer(body)
     header, body, remarks = strip_remarks(header, body, dialect)
     last_line = len(header) + len(body)
@@ -176,6 +183,8 @@ def _is_remark(lines: list[str]) -> bool:
 
 def _are_labelled(lines: list[str]) -> bool:
     """Return whether two lines are rows of numbers behind labels, as "Row 1", or a time of day."""
+    if len([*filter(_DATE.match, lines)]) == 2:
+        return all(_is_data(_DATE.sub("", line, count=1)) for line in lines)
     delimiter = next((sign for sign in ";\t," if all(sign in line for line in lines)), None)
     if delimiter is None or len(lines) < 2:
         return False
