@@ -250,7 +250,7 @@ STATED = [
         NUMBERED.format(12),
         {},
         NUMBERED.format(13),
-        "the file says 13 points, the table has 12 rows; it was cut",
+        "the file says 13 points, the table has 12 rows of 2 numbers; it was cut",
     ),
     (f"samples: 12\n{PROFILE}", UM, f"samples: 13\n{PROFILE}", "13 columns.* 12"),
     (f"4 3\n{MATRIX}", GIVEN, f"4 3\n{MATRIX[8:]}", "4 and 3.* 2 rows of 4"),
@@ -419,6 +419,29 @@ def test_labels_in_front_of_rows_are_left_out_and_said(read, label, separator):
     height = read("\n".join(["Rows: 3", *rows]), **GIVEN, height_unit="nm")
     holds(height, 1e-9 * GRID[::-1], 1e-6, 1e-6)
     assert f"column 1 ('{label.format(0)}') holds words and is left out" in warnings_of(height)
+
+
+DATES = ["2026-11-30", "30.11.2026", "11/30/2026", "2026-11-30 08:30:{:02d}", "2026/11/30T08:30:{:02d}.25"]
+
+
+@pytest.mark.parametrize("date", DATES)
+@pytest.mark.parametrize("separator", [";", "\t", ",", " "])
+def test_dates_in_front_of_the_rows_of_a_map(read, date, separator):
+    rows = [separator.join([date.format(row), *map(str, numbers)]) for row, numbers in enumerate(GRID)]
+    height = read("\n".join(["Rows: 3", *rows]), **GIVEN, height_unit="nm")
+    holds(height, 1e-9 * GRID[::-1], 1e-6, 1e-6)
+    assert "holds words and is left out" in warnings_of(height)
+
+
+@pytest.mark.parametrize("date", [*DATES, "20261130"])
+@pytest.mark.parametrize("separator", [";", "\t"])
+@pytest.mark.parametrize("is_first", [True, False])
+def test_dates_beside_a_profile(read, date, separator, is_first):
+    names, rows = ["Date", "x [mm]", "z [µm]"], [[f"{x}", f"{z}"] for x, z in zip(X, Z, strict=True)]
+    lines = [names, *([date.format(number), *row] for number, row in enumerate(rows))]
+    assert_trace(
+        read("\n".join(separator.join(line if is_first else [*line[1:], line[0]]) for line in lines) + "\n")
+    )
 
 
 def test_labelled_parameters_above_a_table_are_no_rows(read):

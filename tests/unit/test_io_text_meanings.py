@@ -156,3 +156,42 @@ def test_lines_that_were_wrapped_are_asked_about_or_said(read, refused):
     refused(sizes + cells(np.round(smooth.reshape(20, 6), 4)), "2 lines each go on where the one above ends")
     rough = np.round(random.normal(size=(20, 6)), 4)
     assert "pixels of 8.33 : 1 by the size alone" in warnings_of(read(sizes + cells(rough)))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("Values above 5 are invalid", "Werte über 5 sind ungültig", "Valid range: -5 to 5"),
+        *("Points higher than 5 nm were not measured", "Les valeurs au-dessus de 5 sont invalides"),
+    ],
+)
+def test_a_limit_of_what_is_valid_is_asked_about_where_heights_lie_beyond(read, refused, line):
+    table = ONE.copy()
+    table[2, 3] = table[5, 7] = 9000
+    head = f"{STEPS}Z unit: nm\n{line}\n"
+    message = f"line 4 says '{line}', and there are 2 points beyond it: give missing_value .*ignore_lines = 4"
+    refused(head + cells(table), message)
+    is_right(read(head + cells(table), missing_value=9000), np.where(table == 9000, np.nan, table)[::-1])
+    is_right(read(head + cells(table), ignore_lines=4), table[::-1])
+    assert np.abs(ONE).max() < 5
+    is_right(read(head + ROWS), ONE[::-1])
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "Wafer of Monday, pixel 0.5 x 0.25 µm, heights in nm",
+        "Measured by our lab; dx = 0.5 µm; dy = 0.25 µm; heights in nm, from left to right",
+        '{"dx_um": 0.5, "dy_um": 0.25, "z_unit": "nm"}',
+        '{\n  "dx_um": 0.5,\n  "dy_um": 0.25,\n  "z_unit": "nm"\n}',
+        "shape=(8, 10) dx=0.5um dy=0.25um z=nm",
+        "Scan range fast axis: 5 µm\nScan range slow axis: 2 µm\nTopography values in nanometers",
+        "Breite des Messfeldes: 5 µm\nHöhe des Messfeldes: 2 µm\nz/nm",
+    ],
+)
+def test_what_people_write_above_a_map(read, head):
+    is_right(read("\n".join("# " + line for line in head.splitlines()) + "\n" + ROWS), ONE[::-1])
+
+
+def test_words_beside_an_entry_that_may_concern_the_map_are_not_skipped(refused):
+    refused(f"Binned, pixel 0.5 x 0.25 µm, heights in nm\n{ROWS}", "'Binned, .* is not used.; give dx, dy")

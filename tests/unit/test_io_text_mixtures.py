@@ -586,7 +586,7 @@ def test_a_length_that_nothing_uses_is_named(read, line, doubted):
 
 
 @pytest.mark.parametrize(
-    "line", ["all peaks are nm", "NB: nm", "Units: µm, mm, nm", "wafer, heights in nm, pixel 0.5 um"]
+    "line", ["all peaks are nm", "NB: nm", "Units: µm, mm, nm", "wafer 7, heights in nm, pixel 0.5 um"]
 )
 def test_a_unit_of_the_steps_is_not_that_of_heights_which_a_line_contradicts(read, refused, line):
     for text, options in ((matrix("# " + line), {"dx": 0.5, "dy": 0.25}), ("# " + line + "\n" + POINTS, {})):
@@ -710,7 +710,7 @@ def test_wrapped_lines_are_asked_about(read, refused, count):
 
 def test_a_number_of_points_in_a_phrase_shows_that_lines_are_missing(read, refused):
     head = "pixel size 0.5 µm, 10 x 12 points, heights in nm"
-    refused(f"{head}\n{ROWS}", "says 10 and 12, the table has 8 rows of 10 numbers; it was cut off")
+    refused(f"{head}\n{ROWS}", "says 10 and 12 points, the table has 8 rows of 10 numbers; it was cut off")
     message = "line 1 says '10 x 12 points of steel', which is not used: check the steps"
     assert message in warnings_of(read("10 x 12 points of steel\n" + ROWS, **GIVEN))
 

@@ -103,6 +103,30 @@ class MeasuredFile:
         return instrument_kinds.of_name(self.instrument.get("kind"))
 
 
+def picture(
+    name: str,
+    shape: tuple[int, int],
+    read: Callable[[], np.ndarray],
+    height_unit: str | None,
+    field: Iterable[float | None],
+    lateral_unit: str | None,
+    **attributes: Any,
+) -> Channel:
+    """Return the channel of a map (ny, nx) on a field (along x, y; None: unknown); impossible: refused.
+
+    Examples
+    --------
+    >>> picture("height", (2, 4), lambda: None, "nm", (8.0, None), "um").dx
+    2.0
+    """
+    sides = [*field]
+    if min(shape) < 1 or any(side is not None and not 0 < side < np.inf for side in sides):
+        lengths = " x ".join("?" if side is None else f"{side:g}" for side in sides)
+        raise InputFileError(f"its header is damaged: {shape[0]} x {shape[1]} points on {lengths} are no map")
+    dx, dy = (side and side / count for side, count in zip(sides, shape[::-1], strict=True))
+    return Channel(name, shape, read, height_unit or None, dx, dy, lateral_unit or None, **attributes)
+
+
 def counted_channels(channels: Iterable[Channel]) -> list[Channel]:
     """Return channels, and refuse a file of more than 10 000 before all of them are made."""
     counted = list(islice(channels, MAX_CHANNELS + 1))

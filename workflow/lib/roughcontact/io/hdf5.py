@@ -2,7 +2,7 @@
 
 import mmap
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,6 +31,14 @@ def opened(path: Path) -> Iterator["h5py.File"]:
 
     with refusing("damaged or cut off HDF5 file"), h5py.File(path, "r") as file:
         yield file
+
+
+def holds(path: Path, head: bytes, is_kind: Callable[["h5py.File"], bool]) -> bool:
+    """Return whether a file that begins with `head` is HDF5 of some kind."""
+    if not head.startswith(MARK):
+        return False
+    with opened(path) as file:
+        return is_kind(file)
 
 
 def stated_size(path: Path) -> int | None:

@@ -208,7 +208,9 @@ def lines_not_used(
         is_limit = matters >= {"limit", "validity"} and "lateral" not in matters and "%" not in text
         limits = [length.value / height_factor for length in numbered] or values
         beyond = _count_beyond(finite, limits) if is_limit else 0
-        marked = np.count_nonzero(finite == values[-1]) if values and "marker" in matters else 0
+        if is_limit and not beyond:
+            continue
+        marked = int(np.count_nonzero(finite == values[-1])) if values and "marker" in matters else 0
         other_unit = "lateral" not in matters and any(
             length.bare and metres(length.unit) != height_factor and not length.agrees(lengths_used)
             for length in lengths

@@ -10,10 +10,7 @@ from roughcontact.io.interface import RecognisedBy
 
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file is HDF5 with the group that Zygo's have."""
-    if not head.startswith(hdf5.MARK):
-        return False
-    with hdf5.opened(path) as file:
-        return "MetaData" in file
+    return hdf5.holds(path, head, lambda file: "MetaData" in file)
 
 
 def read(path: Path) -> MeasuredFile:

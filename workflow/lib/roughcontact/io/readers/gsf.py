@@ -7,10 +7,8 @@ little-endian, NaN where not measured.
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, stored_floats
+from roughcontact.io.channels import MeasuredFile, picture, stored_floats
 from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 
@@ -28,19 +26,12 @@ def read(path: Path) -> MeasuredFile:
     with refusing("looks like GSF, but is damaged: no size in its header"):
         nx, ny = int(statements["XRes"]), int(statements["YRes"])
         lengths = [float(statements[key]) if key in statements else None for key in ("XReal", "YReal")]
-    if not zero or min(nx, ny) < 1 or not all(length is None or 0 < length < np.inf for length in lengths):
+    if not zero:
         raise InputFileError("looks like GSF, but its header is damaged or cut off")
-    start = len(text) + 4 - len(text) % 4
-    length_x, length_y = lengths
-    channel = Channel(
-        statements.get("Title") or "height",
-        (ny, nx),
-        partial(stored_floats, path, "<f4", (ny, nx), start),
-        height_unit=statements.get("ZUnits") or None,
-        dx=length_x / nx if length_x else None,
-        dy=length_y / ny if length_y else None,
-        lateral_unit=statements.get("XYUnits") or None,
-    )
+    start, (unit, lateral_unit) = len(text) + 4 - len(text) % 4, map(statements.get, ("ZUnits", "XYUnits"))
+    read_floats = partial(stored_floats, path, "<f4", (ny, nx), start)
+    name = statements.get("Title") or "height"
+    channel = picture(name, (ny, nx), read_floats, unit, lengths, lateral_unit)
     return MeasuredFile("Gwyddion Simple Field", [channel], "top", required_size=start + 4 * nx * ny)
 
 

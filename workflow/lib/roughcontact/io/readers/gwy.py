@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, picture
 from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
@@ -49,18 +49,12 @@ def _channel(container: dict[str, Any], number: str) -> Channel:
     if mask is not None:
         values = np.ma.masked_array(values, mask["data"].reshape(shape) > 0.5)
     # a size of 0 is unknown, a negative one has a wrong sign
-    dy, dx = (float(abs(image[key])) / n or None for key, n in zip(("yreal", "xreal"), shape, strict=True))
+    field = (float(abs(image[key])) or None for key in ("xreal", "yreal"))
     lateral_unit, unit = (image.get(key, {}).get("unitstr", "") for key in ("si_unit_xy", "si_unit_z"))
-    return Channel(
-        str(container.get(f"{number}/data/title", f"image {number[1:]}")),
-        shape,
-        partial(as_heights, values),
-        height_unit=unit or "no unit",
-        dx=dx,
-        dy=dy,
-        lateral_unit=lateral_unit or None,
-        notes=[] if mask is None else [_MASKED],
-    )
+    name = str(container.get(f"{number}/data/title", f"image {number[1:]}"))
+    notes = [] if mask is None else [_MASKED]
+    read_image = partial(as_heights, values)
+    return picture(name, shape, read_image, unit or "no unit", field, lateral_unit, notes=notes)
 
 
 def _object(data: mmap.mmap) -> dict[str, Any]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import hdf5, instrument_kinds
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, picture
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
@@ -27,10 +27,7 @@ _TURNED = "the scan is turned in its file (theta): x and y are those of the scan
 
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file is HDF5 whose attributes name it a JPK scan."""
-    if not head.startswith(hdf5.MARK):
-        return False
-    with hdf5.opened(path) as file:
-        return "JPK" in _stated(file, "file-format-info")
+    return hdf5.holds(path, head, lambda file: "JPK" in _stated(file, "file-format-info"))
 
 
 def read(path: Path) -> MeasuredFile:
@@ -80,16 +77,16 @@ def _frames(group: Any, several: bool, path: Path) -> Iterator[Channel]:
     no_topography = is_length(unit) and _rank(group) == len(_HEIGHTS)
     prefix = f"{measurement.name[1:]} " if several else ""
     label = prefix + _stated(group, "channel.fancy-name", _stated(group, "channel.name", array.name))
+    field = [float(grid[key]) or None for key in ("ulength", "vlength")]
     frames = array.shape[1]
     for frame in range(frames):
-        yield Channel(
+        yield picture(
             f"{label} ({direction}{f', frame {frame + 1}' if frames > 1 else ''})",
             (ny, nx),
             partial(_read, path, array.name, frame, (ny, nx), scale),
-            height_unit=unit or "no unit",
-            dx=float(grid["ulength"]) / nx,
-            dy=float(grid["vlength"]) / ny,
-            lateral_unit=_stated(measurement, _GRID + "unit.unit", "m"),
+            unit or "no unit",
+            field,
+            _stated(measurement, _GRID + "unit.unit", "m"),
             no_height="by its name no topography" if no_topography else "",
             notes=[_TURNED] if is_turned else [],
         )

@@ -13,7 +13,14 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, counted_channels, stored_floats
+from roughcontact.io.channels import (
+    NO_TOPOGRAPHY,
+    Channel,
+    MeasuredFile,
+    counted_channels,
+    picture,
+    stored_floats,
+)
 from roughcontact.io.guards import refusing
 from roughcontact.io.instrument_kinds import PROBE
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
@@ -50,22 +57,19 @@ def _channels(entries: dict[str, str], start: int, path: Path) -> Iterator[Chann
     if entries["SCANIT_TYPE"].split() != ["FLOAT", "MSBFIRST"]:
         raise InputFileError(f"this Nanonis file holds {entries['SCANIT_TYPE'].strip()}, not FLOAT MSBFIRST")
     nx, ny = map(int, entries["SCAN_PIXELS"].split())
-    length_x, length_y = map(float, entries["SCAN_RANGE"].split())
-    if not (min(nx, ny) > 0 and 0 < length_x < np.inf and 0 < length_y < np.inf):
-        raise InputFileError(f"{ny} x {nx} points on {length_x:g} x {length_y:g} m are no map")
+    field = [*map(float, entries["SCAN_RANGE"].split())]
     names, *rows = (line.split("\t") for line in entries["DATA_INFO"].splitlines() if line.strip())
     for row in rows:
         entry = dict(zip(map(str.strip, names), map(str.strip, row), strict=True))
         no_topography = is_length(entry["Unit"]) and NO_TOPOGRAPHY.search(entry["Name"])
         for direction in _DIRECTIONS[entry["Direction"].lower()]:
-            yield Channel(
+            yield picture(
                 f"{entry['Name']} ({direction})",
                 (ny, nx),
                 partial(_read, path, start, (ny, nx), reverse=direction == "backward"),
-                height_unit=entry["Unit"] or "no unit",
-                dx=length_x / nx,
-                dy=length_y / ny,
-                lateral_unit="m",
+                entry["Unit"] or "no unit",
+                field,
+                "m",
                 no_height="by its name no topography" if no_topography else "",
             )
             start += 4 * nx * ny

@@ -7,6 +7,7 @@ assumption. Where positions are given, y increases upwards.
 import re
 from collections import Counter
 from dataclasses import replace
+from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -407,19 +408,19 @@ def _is_stated_matrix(values: np.ndarray, stated: Stated) -> bool:
 def _refuse_cut_table(shape: tuple[int, ...], counts: list[int]) -> None:
     """Refuse a table with fewer rows than the file states: their number, or those along both sides."""
     rows, columns = shape
-    if columns == 1 < min(counts, default=1) and len(counts) == 2 and counts[0] * counts[1] == rows:
+    total, is_whole = prod(counts), prod(counts) == rows or sorted(counts) == sorted(shape)
+    if is_whole and len(counts) == 2 and columns == 1 < min(counts):
         raise InputFileError(
             f"a column of {rows} numbers, where the file says {counts[0]:g} x {counts[1]:g} points: write "
             "each row of the map into one line"
         )
-    if len(counts) == 2 and sorted(counts) != sorted(shape) and counts[0] * counts[1] != rows:
+    if len(counts) == 1:
+        is_whole = total <= rows or total in (columns, rows * columns)
+    if counts and not is_whole:
+        listing = " and ".join(f"{count:g}" for count in counts)
         raise InputFileError(
-            f"the line above the table says {counts[0]:g} and {counts[1]:g}, the table has {rows} rows of "
-            f"{columns} numbers; it was cut off or changed"
-        )
-    if len(counts) == 1 and counts[0] > rows and counts[0] not in (columns, rows * columns):
-        raise InputFileError(
-            f"the file says {counts[0]:g} points, the table has {rows} rows; it was cut off or changed"
+            f"the file says {listing} points, the table has {rows} rows of {columns} numbers; it was cut off "
+            "or changed"
         )
 
 

@@ -8,10 +8,8 @@ import struct
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, stored_floats
+from roughcontact.io.channels import MeasuredFile, picture, stored_floats
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
 
@@ -33,12 +31,8 @@ def read(path: Path) -> MeasuredFile:
     comment = fields[0].decode("latin-1").strip()
     start = len(mark) + len(fields[0]) + 2 + _HEADER.size
     nx, ny, length_x, length_y, *_ = _HEADER.unpack_from(fields[1])
-    if not nx * ny or not (0 < length_x < np.inf and 0 < length_y < np.inf):
-        raise InputFileError(
-            f"looks like TrueMap TMD, but is damaged ({nx} x {ny} points on {length_x:g} x {length_y:g} mm)"
-        )
     read_floats = partial(stored_floats, path, "<f4", (ny, nx), start)
-    channel = Channel("Default", (ny, nx), read_floats, "mm", length_x / nx, length_y / ny, "mm")
+    channel = picture("Default", (ny, nx), read_floats, "mm", (length_x, length_y), "mm")
     vendor = "TrueMap" if "TrueMap" in comment else ""
     instrument = instrument_metadata({"vendor": vendor, "comment": comment})
     return MeasuredFile("TrueMap TMD", [channel], "top", instrument, required_size=start + 4 * nx * ny)

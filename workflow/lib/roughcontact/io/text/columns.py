@@ -151,7 +151,7 @@ def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
     if len(text) > _MAX_LINE_LENGTH or not text:
         return []
     has_delimiter = delimiter is not None and delimiter in text
-    cells = text.split(delimiter) if has_delimiter else re.split(r"\s*[\t,;]\s*|\s\s+", text)
+    cells = text.split(delimiter) if has_delimiter else re.split(r"\t|\s\s+", text)
     if not has_delimiter and all(map(is_length, text.split())):
         cells = text.split()
     while len(cells) > count and not cells[-1].strip():

@@ -32,8 +32,8 @@ _GROUPED = re.compile(r"[-+]?\d{1,3}(?:[ '’\xa0\u202f]\d{3})+(?:\.\d*)?")
 _ENTRY = re.compile(r"\s*[^\W\d][^;\t]*[:=]")  # a word that says of what the number is, as "Mean: 0.25"
 # a date, perhaps with the time of day, as a cell
 _DATE = re.compile(
-    r"(?:^|(?<=[;\t,\s]))((?:\d{4}([-/.])\d{1,2}\2\d{1,2}|\d{1,2}([-/.])\d{1,2}\3\d{4}))"
-    r"(?:[ T](\d{1,2}:\d\d(?::\d\d(?:[.,]\d+)?)?))?(?=[;\t,\s]|$)"
+    r"(?:^|(?<=[;\t,\s]))(?:\d{4}([-/.])\d{1,2}\1\d{1,2}|\d{1,2}([-/.])\d{1,2}\2\d{4})"
+    r"(?:[ T]\d{1,2}:\d\d(?::\d\d(?:[.,]\d+)?)?)?(?=[;\t,\s]|$)"
 )
 _MAX_HEADER_LINES = 100_000  # without empty lines
 _MAX_PREFIX = 2**16  # characters of a line that decide whether it contains numbers
@@ -111,8 +111,6 @@ class Rows(NamedTuple):
 def split_text(text: str) -> tuple[list[Rows], list[int], Dialect, list[str]]:
     """Return the tables of a text, the numbers of points above the first, the dialect, and notes."""
     header, body = _unquoted(*split_header(text.splitlines()))
-    if any(map(_DATE.search, body[:1])):  # a date and the time of day become one word
-        body = [_DATE.sub(r"\1T\4", line) for line in body]
     body, footer, dialect = split_footer(body)
     header, body, remarks = strip_remarks(header, body, dialect)
     last_line = len(header) + len(body)
@@ -221,8 +219,9 @@ def strip_remarks(
     (['x;z'], ['0;1.5', '1;2.5'], ["column 3 ('note', 'start') holds words and is left out"])
     """
     words = dict[int, str]()
+    has_dates = any(map(_DATE.search, body[:1]))
     for line in body:
-        if not _PLAIN.match(line) and is_row(line):
+        if (has_dates or not _PLAIN.match(line)) and is_row(line):
             cells = enumerate(dialect.cells(line))
             words = {index: cell for index, cell in cells if dialect.number(cell) is None} | words
     rows = [dialect.cells(line) for line in body if is_row(line)] if words else []
@@ -287,7 +286,7 @@ def _unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]
 def separators(body: list[str]) -> Dialect:
     """Return the delimiter of the columns, and whether the decimal sign is a comma."""
     sample = [line.strip() for line in body[:50] if is_row(line)]
-    text = "\n".join(sample)
+    text = _DATE.sub("", "\n".join(sample))
     for sign in ";\t":
         if sign in text:
             is_doubled = all(line.count(sign) == 2 * line.count(2 * sign) > 0 for line in sample)
@@ -570,7 +569,7 @@ def _is_data(line: str) -> bool:
 def _cells(line: str, limit: int = 0) -> list[str]:
     """Return the cells of a line, after `limit` the rest; none of a comment, unlike ``#N/A`` or ``***``."""
     start = line[:_MAX_PREFIX].lstrip()
-    text = joined(start).strip(_CELL_SEPARATORS)
+    text = joined(_DATE.sub("date", start)).strip(_CELL_SEPARATORS)
     cell = re.split(r"[;\t,\s]", start, maxsplit=1)[0]
     comment = start.startswith(tuple(COMMENT_SIGNS)) and not is_missing(cell)
     return [] if comment or not text else re.split(r'[;\t,\s"]+', text, maxsplit=limit)
