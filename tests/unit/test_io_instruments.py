@@ -329,7 +329,7 @@ def test_frames_and_quantities_are_channels(read, tmp_path):
 def test_what_is_wrong_in_a_scan_is_named(read, refused):
     refused(scan(points=11), "no 3 x 4 points of each frame")
     refused(scan(unit="V"), "no channel of this file holds heights")
-    refused(scan(ulength=0.0), "are impossible; give dx, dy and unit")
+    refused(scan(ulength=0.0), "does not say its size")
     turned = scan(theta=0.5)
     assert "the scan is turned" in warnings_of(read(turned))
     refused(turned[: int(0.6 * len(turned))], "damaged or cut off HDF5 file")
