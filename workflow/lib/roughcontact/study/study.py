@@ -24,7 +24,7 @@ from roughcontact.study.surfaces import (
     first_rows,
     read_surfaces,
 )
-from roughcontact.study.yaml_text import MAX_VALUES
+from roughcontact.study.yaml_text import check_size
 
 
 def read_study(
@@ -40,7 +40,7 @@ def read_study(
     `folders` and `measured_in` are search paths of table and measured files, which may have gone where they
     were `checked` when the run began. A `SettingsError` from `origin` lists all mistakes in both.
     """
-    _check_size(config)
+    check_size(config)
     cases: dict[str, dict[str, Any]] = {}
     surfaces: dict[str, Surface] = {}
     errors: list[SettingsError] = []
@@ -93,23 +93,6 @@ def _placements_each(config: Mapping[str, Any]) -> int:
     except ValidationError:
         return 1
     return composite.shifts * len(composite.rotations)
-
-
-def _check_size(config: Mapping[str, Any]) -> None:
-    """Reject more values than any study has: a few lines of aliases can stand for a billion."""
-    waiting: list[Any] = [config]
-    for _ in range(MAX_VALUES):
-        if not waiting:
-            return
-        value = waiting.pop()
-        if isinstance(value, Mapping):
-            waiting += value.values()
-        elif isinstance(value, list):
-            waiting += value
-    raise SettingsError(
-        f"the configuration has more than {MAX_VALUES} values: look for aliases (*name) that stand for one "
-        "another, and write out their values"
-    )
 
 
 def _find_mistakes(row: Surface) -> list[Mistake]:
