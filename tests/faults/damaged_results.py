@@ -58,18 +58,13 @@ def _opened(path: Path) -> xr.Dataset:
         return dataset.load()
 
 
-def _arrays(path: Path) -> xr.Dataset:
-    arrays, attrs = storage.read_arrays(path)
-    return xr.Dataset(dict(arrays), attrs=attrs)
-
-
 def _statistics(path: Path) -> xr.Dataset:
     return read_statistics(path).drop_indexes("mean_pressure")
 
 
 def outcomes(path: Path, *, damages: int, seed: int) -> Counter[str]:
     """Return how many damages are refused, harmless, or read with other numbers by any of the readers."""
-    readers = [storage.read_dataset, _opened, _arrays, *([_statistics] if path.stem == "statistics" else [])]
+    readers = [storage.read_dataset, _opened, *([_statistics] if path.stem == "statistics" else [])]
     data, expected, counts = path.read_bytes(), [read(path) for read in readers], Counter[str]()
     choose, copy = random.Random(seed), path.with_name(f"damaged-{path.name}")
     for _ in range(damages):

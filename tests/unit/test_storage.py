@@ -25,7 +25,6 @@ from roughcontact.results.selection import read_statistics
 from roughcontact.results.storage import (
     opened_dataset,
     provenance,
-    read_arrays,
     read_dataset,
     write_dataset,
     write_table,
@@ -215,7 +214,7 @@ def test_a_damaged_result_is_named(tmp_path):
             + bytes([undamaged[position] ^ 1 << int(position) % 8])
             + undamaged[position + 1 :]
         )
-        for read in (read_dataset, read_arrays, lambda path: opened_dataset(path).__enter__()):
+        for read in (read_dataset, lambda path: opened_dataset(path).__enter__()):
             with pytest.raises(errors.InputFileError, match=r"height\.nc: .*; delete it .* and run again"):
                 read(path)
     path.write_bytes(undamaged.replace(heights[3, 5].tobytes(), heights[3, 6].tobytes()))

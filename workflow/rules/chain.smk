@@ -260,9 +260,7 @@ rule report:
         # which are read beside the statistics
         panels=expand("results/{result}/panel.html", result=REPORT["results"]),
         summaries=expand("results/{result}/panel.json", result=REPORT["results"]),
-        residuals=expand("results/{result}/residual.nc", result=REPORT["unloaded"]),
-        worn=expand("results/{result}/worn.nc", result=REPORT["worn"]),
-        sliding=expand("results/{result}/sliding.nc", result=REPORT["slid"]),
+        further=REPORT["further"],
     output:
         **FURTHER,
         statistics=shown("results/statistics.nc", "statistics", "all numbers"),

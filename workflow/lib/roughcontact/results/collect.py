@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NotRequired, TypedDict
@@ -15,7 +15,7 @@ from roughcontact.arguments.answers import ANSWERS, AREA, ENDS, answer_name
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.errors import SettingsError
-from roughcontact.results.storage import Array, check_origin, read_arrays
+from roughcontact.results.storage import check_origin, read_dataset
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.statistics.precision import relative_half_width
 
@@ -78,17 +78,17 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     """
     surfaces = list(dict.fromkeys(entry["surface"] for entry in entries))
     cases = list(dict.fromkeys(entry["case"] for entry in entries))
-    datasets: dict[tuple[int, int], dict[str, Array]] = {}
+    datasets: dict[tuple[int, int], Mapping[Hashable, xr.Variable]] = {}
     checksums = {}
     attributes: dict[str, dict[str, dict[str, Any]]] = {case or "": {} for case in cases}
     for entry in entries:
-        arrays, attrs = read_arrays(entry["statistics"])
-        check_origin(attrs, entry["statistics"], entry.get("origin", ""))
-        datasets[cases.index(entry["case"]), surfaces.index(entry["surface"])] = arrays
-        checksums[entry["surface"]] = attrs.get("source_sha256", "")
-        attributes[entry["case"] or ""][entry["surface"]] = attrs
-    sizes: dict[str, int] = {}
-    dims: dict[str, tuple[str, ...]] = {}
+        statistics = read_dataset(entry["statistics"])
+        check_origin(statistics.attrs, entry["statistics"], entry.get("origin", ""))
+        datasets[cases.index(entry["case"]), surfaces.index(entry["surface"])] = statistics.variables
+        checksums[entry["surface"]] = statistics.attrs.get("source_sha256", "")
+        attributes[entry["case"] or ""][entry["surface"]] = statistics.attrs
+    sizes: dict[Hashable, int] = {}
+    dims: dict[Hashable, tuple[Hashable, ...]] = {}
     for arrays in datasets.values():
         for name, array in arrays.items():
             for dim, size in zip(array.dims, array.values.shape, strict=True):
@@ -138,7 +138,9 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     return result.assign_coords(_labels("case", cases))
 
 
-def _places(arrays: Mapping[str, Array], name: str, times: Sequence[float]) -> tuple[Any, ...]:
+def _places(
+    arrays: Mapping[Hashable, xr.Variable], name: Hashable, times: Sequence[float]
+) -> tuple[Any, ...]:
     """Return where the values of a surface stand: from the beginning, but each time of creep at its own."""
     array = arrays[name]
     return tuple(

@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -33,13 +33,6 @@ if TYPE_CHECKING:
 
 _FORMULA = tuple("=+-@\t\r")  # first letters of a formula in a spreadsheet
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")  # no characters of XML
-
-
-class Array(NamedTuple):
-    """The values of one variable, and the names of their dimensions."""
-
-    dims: tuple[str, ...]
-    values: np.ndarray
 
 
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
@@ -273,21 +266,8 @@ class LoadByLoad:
 
         with _uncached():
             file = Dataset(self.path, "w")
-            for dimension, size in {**maps.sizes, "load": self._size}.items():
-                file.createDimension(str(dimension), size)
-            for name, field in maps.data_vars.items():
-                variable_ = file.createVariable(
-                    str(name),
-                    field.dtype,
-                    [*map(str, field.dims)],
-                    fill_value=np.nan if field.dtype.kind == "f" else None,
-                    **_packed(field),
-                )
-                remaining = sorted(
-                    str(coordinate) for coordinate in field.coords if coordinate not in field.dims
-                )
-                variable_.setncatts(field.attrs | {"coordinates": " ".join(remaining)})
-        file.set_auto_maskandscale(False)  # values are written as they are: NaN is NaN
+            file.createDimension("load", self._size)
+            _define(file, maps)
         return file
 
     def complete(self, dataset: xr.Dataset) -> None:
@@ -330,8 +310,23 @@ def read_dataset(path: str | Path) -> xr.Dataset:
     InputFileError
         where the file is missing, damaged or no netCDF file.
     """
-    with opened_dataset(path) as dataset:
-        return dataset.load()
+    from netCDF4 import Dataset
+
+    # in two thirds of the time of `xarray.open_dataset`, which decodes what these files do not have
+    with _readable(path), _uncached(), Dataset(path) as file:
+        file.set_auto_maskandscale(False)
+        attrs, variables = _attributes(file), {}
+        for name, variable in file.variables.items():
+            variables[name] = xr.Variable(variable.dimensions, variable[...], _attributes(variable))
+    holders = [attrs, *(variable.attrs for variable in variables.values())]
+    coordinates = {name for entry in holders for name in entry.pop("coordinates", "").split()}
+    dataset = xr.Dataset(variables, attrs=attrs).set_coords(coordinates & {*variables})
+    return _with_attributes(dataset, map_attributes)
+
+
+def _attributes(entry: "netCDF4.Dataset | netCDF4.Variable") -> dict[str, Any]:
+    """Return the attributes of a file, or of a variable in it."""
+    return {key: entry.getncattr(key) for key in entry.ncattrs() if key != "_FillValue"}
 
 
 @contextmanager
@@ -379,28 +374,6 @@ def _readable(path: str | Path) -> Iterator[None]:
             raise InputFileError(f"{path}: no such file; check the path") from error
         why = brief(error)
         raise InputFileError(f"{path}: not readable as netCDF ({why}); {WAY_OUT}") from error
-
-
-def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Read the bare arrays and attributes of one of the project's own result files, in half the time.
-
-    Examples
-    --------
-    >>> import tempfile, xarray as xr
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_dataset(xr.Dataset({"mean_gap": ("load", [2e-7])}), f"{folder}/statistics.nc")
-    ...     read_arrays(f"{folder}/statistics.nc")[0]["mean_gap"]
-    Array(dims=('load',), values=array([2.e-07]))
-    """
-    from netCDF4 import Dataset
-
-    with _readable(path), Dataset(path) as file:
-        file.set_auto_maskandscale(False)
-        arrays = {
-            name: Array(variable.dimensions, variable[...]) for name, variable in file.variables.items()
-        }
-        attrs = map_attributes({name: file.getncattr(name) for name in file.ncattrs()})
-        return arrays, attrs
 
 
 def check_origin(attrs: Mapping[str, Any], path: str | Path, origin: str) -> None:

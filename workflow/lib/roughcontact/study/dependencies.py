@@ -42,13 +42,15 @@ def source_digest(script: str | Path) -> str:
     draws = any(path.startswith(os.path.join(PACKAGE, "report", "")) for path in paths)
     digest = hashlib.sha256()
     for path in sorted(path for path in paths if draws or os.path.basename(path) != _WORDS):
-        digest.update(os.path.basename(path).encode() + b"\0" + hashlib.sha256(_content(path)).digest())
+        digest.update(os.path.basename(path).encode() + b"\0" + _read(path)[1])
     return digest.hexdigest()[:16]
 
 
 @cache
-def _content(path: str) -> bytes:
-    return Path(path).read_bytes()
+def _read(path: str) -> tuple[bytes, bytes]:
+    """Return the content of a file, and its checksum."""
+    content = Path(path).read_bytes()
+    return content, hashlib.sha256(content).digest()
 
 
 def _closure(script: str) -> set[str]:
@@ -66,7 +68,7 @@ def _closure(script: str) -> set[str]:
 @cache
 def _imported(path: str) -> tuple[str, ...]:
     """Return the files of the modules that `path` imports itself, and those of the folders it names."""
-    text, folder = "\n" + _content(path).decode(), os.path.dirname(path)
+    text, folder = "\n" + _read(path)[0].decode(), os.path.dirname(path)
     names = [name for names_text in _IMPORT.findall(text) for name in _listed(names_text)]
     for module, names_text in _FROM_IMPORT.findall(text):
         names += [module, *(f"{module}.{name}" for name in _listed(names_text))]

@@ -88,7 +88,7 @@ def failure_reason(plan: Plan, result: str) -> str:
     Finished is a result whose files exist, are not older than what they are made of, and record the settings
     and checksums of this run.
     """
-    from roughcontact.results.storage import check_origin, read_arrays
+    from roughcontact.results.storage import check_origin, read_dataset
 
     jobs = [*_recorded_jobs(plan, result)]
     for log, record in jobs:
@@ -101,14 +101,16 @@ def failure_reason(plan: Plan, result: str) -> str:
         return f"{missing[0]}: is gone since the run began; put it back and run again"
     folder, statistics = Path("results", result), Path("results", result, "statistics.nc")
     files = [Path(plan.file(stage, result)) for stage in ("height", "levelled", "window")]
-    files += [statistics, folder / "panel.html", folder / "panel.json"]
-    files += [folder / "residual.nc"] * (result in plan.unloaded)
-    files += [folder / "worn.nc"] * (result in plan.worn)
-    files += [folder / "sliding.nc"] * (result in plan.slid)
+    files += [
+        statistics,
+        folder / "panel.html",
+        folder / "panel.json",
+        *map(Path, plan.further_files(result)),
+    ]
     checksums = {path: digest for _, record in jobs for path, digest in record["sources"].items()}
     try:
         dates = [file.stat().st_mtime_ns for file in files]
-        _, attrs = read_arrays(statistics)
+        attrs = read_dataset(statistics).attrs
         check_origin(attrs, statistics, plan.origin("statistics", result, checksum))
     except (OSError, InputFileError):
         return "not finished"

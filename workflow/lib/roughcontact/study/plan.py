@@ -48,6 +48,12 @@ STAGES: dict[str, tuple[str, ...]] = {
 }
 _DECISIVE = dict.fromkeys(("prepare", "prepare_with_overview", "superpose"), "window")
 _DECISIVE |= {"prepare_face": "levelled", "contact": "contact"}
+# rules that run only where settings ask for them
+_FURTHER: dict[Rule, Callable[[Mapping[str, Any]], bool]] = {
+    "unload": lambda settings: settings["contact"]["unload"] is not None,
+    "wear": lambda settings: bool(settings["wear"]["coefficient"]),
+    "slide": lambda settings: bool(settings["sliding"]["speed"]),
+}
 _NOT_OF_ALL = ("counter_height", "overview")  # files that only some surfaces have
 NO_NAME = "(?!)"  # the pattern that no name matches
 
@@ -162,21 +168,14 @@ class Plan:
         """The folders of all results of the run, case by case."""
         return [_result(case, surface) for case in self.cases for surface in self.solved]
 
-    @cached_property
-    def unloaded(self) -> list[str]:
-        """The folders of the results whose load is taken off again."""
-        unload = {case: settings["contact"]["unload"] for case, settings in self.cases.items()}
-        return [result for result in self.results if unload[split(result)[0]] is not None]
+    def further(self, case: str) -> list[Rule]:
+        """Return the rules that a case asks for beside those of every study."""
+        return [rule for rule, is_asked in _FURTHER.items() if is_asked(self.cases[case])]
 
-    @cached_property
-    def worn(self) -> list[str]:
-        """The folders of the results whose face is worn."""
-        return [result for result in self.results if self.cases[split(result)[0]]["wear"]["coefficient"]]
-
-    @cached_property
-    def slid(self) -> list[str]:
-        """The folders of the results over whose face rubber slides."""
-        return [result for result in self.results if self.cases[split(result)[0]]["sliding"]["speed"]]
+    def further_files(self, result: str) -> list[str]:
+        """Return the paths of what these rules write for a result."""
+        stages = [stage for rule in self.further(split(result)[0]) for stage in STAGES[rule]]
+        return [f"results/{result}/{stage}.nc" for stage in stages]
 
     def row(self, surface: str) -> Surface:
         """Return the row of the table from which a surface comes, or the measured file of a face."""
@@ -193,12 +192,8 @@ class Plan:
         cases = [case for case in self.cases if stage is None or owners[case, stage] == case]
         if rule == "statistics":
             cases = [case for case in self.cases if owners[case, "contact"] != case]
-        if rule == "unload":
-            cases = [case for case in self.cases if self.cases[case]["contact"]["unload"] is not None]
-        if rule == "wear":
-            cases = [case for case in self.cases if self.cases[case]["wear"]["coefficient"]]
-        if rule == "slide":
-            cases = [case for case in self.cases if self.cases[case]["sliding"]["speed"]]
+        if rule in _FURTHER:
+            cases = [case for case in self.cases if rule in self.further(case)]
         pairs = regex_of_names(dict.fromkeys(placement.pair for placement in self.placements.values()))
         last = max((placement.number for placement in self.placements.values()), default=0)
         face = f"{pairs}-(?:counter-)?face"
@@ -382,10 +377,7 @@ class Plan:
             case, _ = split(folder)
             jobs.append(("contact" if self._owners[case, "contact"] == case else "statistics", folder))
         jobs.append(("statistics" if self.other_case("contact", result) else "contact", result))
-        jobs.append(("panel", result))
-        jobs += [("unload", result)] * (result in self.unloaded)
-        jobs += [("wear", result)] * (result in self.worn)
-        jobs += [("slide", result)] * (result in self.slid)
+        jobs += [(rule, result) for rule in ("panel", *self.further(split(result)[0]))]
         return list(dict.fromkeys(jobs))
 
     def expected(self, points: Callable[[str], int]) -> dict[tuple[Rule, str], tuple[float, int]]:

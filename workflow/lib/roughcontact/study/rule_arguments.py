@@ -1,6 +1,5 @@
 """What the rules of the workflow ask for: input functions, params and resources of jobs."""
 
-import inspect
 import time
 from collections.abc import Callable
 from functools import cache
@@ -20,21 +19,9 @@ InputFunction = Callable[[Any], list[str] | str]  # of the wildcards
 _SCRIPTS = {"prepare_with_overview": "prepare", "prepare_face": "prepare", "statistics": "contact"}
 
 
-def _note_signature(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function with its signature noted: without that Snakemake computes it several times a job."""
-    # 2 to 5 % of planning 10 000 rows; mypy knows the attribute of classes alone
-    function.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
-    return function
-
-
 def _for_result(function: Callable[[str], Any]) -> Callable[[Any], Any]:
     """Return a function of the wildcards from one of the result."""
-
-    @_note_signature
-    def of_wildcards(wildcards: Any) -> Any:
-        return function(wildcards.result)
-
-    return of_wildcards
+    return lambda wildcards: function(wildcards.result)
 
 
 def _checksums(paths: list[str]) -> dict[str, str]:
@@ -48,7 +35,6 @@ class RuleArguments:
     def __init__(self, plan: Plan, scripts: Path):
         self.plan, self.scripts = plan, scripts
         self.points = cache(self._points)
-        self.code = cache(self._code)
 
     def file_of(self, name: str, *, earlier: bool = False) -> InputFunction | list[str] | str:
         """Return the input function of a file: the own one, or that of the first case with the same settings.
@@ -92,17 +78,16 @@ class RuleArguments:
 
         A change of these runs it again, but for the row of the table, which depends on `input`.
         """
-        plan = self.plan
+        plan, code = self.plan, source_digest(self.scripts / f"{_SCRIPTS.get(rule, rule)}.py")
         if rule == "report":  # a function, in whose result braces stay
             arguments = plan.report_arguments()
             return {
                 "results": {result: plan.origin("statistics", result, checksum) for result in plan.results},
                 "arguments": lambda wildcards: arguments,
-                "code": self.code(rule),
+                "code": code,
                 "partial": PARTIAL.read_text("utf-8") if PARTIAL.exists() else "",
             }
 
-        @_note_signature
         def row(wildcards: Any, input: Any) -> dict[str, str]:  # noqa: A002 - a name of Snakemake
             source = plan.measured.get(split(wildcards.result)[1])
             return {"path": str(source.path), "origin": source.origin} if source else {}
@@ -110,7 +95,7 @@ class RuleArguments:
         def settings(result: str) -> dict[str, Any]:
             return {stage: plan.settings(stage, result) for stage in STAGES[rule] or ("statistics",)}
 
-        params: dict[str, Any] = {"settings": _for_result(settings), "sources": {}, "code": self.code(rule)}
+        params: dict[str, Any] = {"settings": _for_result(settings), "sources": {}, "code": code}
         if self._reads(rule):
             params["sources"] = _for_result(lambda result: _checksums(plan.sources(rule, result)))
             params["readers"] = _for_result(lambda result: [*map(reader_digest, plan.sources(rule, result))])
@@ -129,7 +114,6 @@ class RuleArguments:
         def growing(number: Callable[..., float], min_value: int = 0) -> Callable[..., int]:
             """Return the function of a number that a job asks for again after each failure."""
 
-            @_note_signature
             def of_wildcards(wildcards: Any, attempt: int) -> int:
                 result = wildcards.get("result", "")
                 return round(min_value + attempt * number(rule, result, points=self.points(result)))
@@ -158,7 +142,3 @@ class RuleArguments:
             return 0
         row = self.plan.row(split(result)[1])
         return max(estimate_points(row.path), 2**18 if row.has_surface_behind else 0)
-
-    def _code(self, script: str) -> str:
-        """Return the checksum of the modules that a script, or that of a rule, imports."""
-        return source_digest(self.scripts / f"{_SCRIPTS.get(script, script)}.py")
