@@ -317,7 +317,8 @@ def read_dataset(path: str | Path) -> xr.Dataset:
         file.set_auto_maskandscale(False)
         attrs, variables = _attributes(file), {}
         for name, variable in file.variables.items():
-            variables[name] = xr.Variable(variable.dimensions, variable[...], _attributes(variable))
+            values = variable[...].astype(str) if variable.dtype is str else variable[...]
+            variables[name] = xr.Variable(variable.dimensions, values, _attributes(variable))
     holders = [attrs, *(variable.attrs for variable in variables.values())]
     coordinates = {name for entry in holders for name in entry.pop("coordinates", "").split()}
     dataset = xr.Dataset(variables, attrs=attrs).set_coords(coordinates & {*variables})
