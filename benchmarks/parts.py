@@ -1,11 +1,11 @@
-"""Time and peak memory of each part of `rc.evaluate`: levelling, window, solve with its statistics, and the ±.
+"""Time and peak memory of each part of `rc.evaluate`: levelling, window, solve and statistics, the ±.
 
     python benchmarks/parts.py --points 1024
     python benchmarks/parts.py --points 8192 --threads 2 --write
 
-The map is that of `chain.py`, with three loads. Parts are told apart by what `progress` is called with, so that
-the last one, the ±, has the verdicts with it. Peak memory is that of the process during the part, the map and
-what earlier parts have left included; where the system does not reset its peak (Linux does) it is that so far.
+The map is that of `chain.py`, with three loads. Parts are told apart by what `progress` is called with, so
+that the last one, the ±, has the verdicts with it. Peak memory is that of the process during the part, the
+map and what earlier parts have left included; where no peak can be reset (Linux does) it is that so far.
 """
 
 import argparse
