@@ -62,6 +62,13 @@ def test_the_last_octave_is_the_shortest_that_was_measured():
         assert 2 * first < float(smooth["friction_share_of_last_octave"]) < to_16
 
 
+def test_the_last_octave_of_a_filtered_map_is_that_of_the_filter():
+    filtered = rc.level(rough(64), form="none", s_filter=10e-6)
+    sliding = slide(filtered, 1e-2).isel(speed=0)
+    assert float(sliding["last_octave_wavelength"]) == pytest.approx(20e-6)
+    assert float(sliding["friction_share_of_last_octave"]) > 0.4
+
+
 def test_slow_rubber_has_the_numbers_of_the_contact_at_rest():
     face = rough()
     sliding = slide(face, "1e-12 m/s", seal=SEAL, shear_strength="1 MPa").isel(speed=0)

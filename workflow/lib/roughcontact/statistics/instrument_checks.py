@@ -62,10 +62,11 @@ _PERIODIC_MAP = "Not made: the map is periodic as it is, as made ones are."
 
 
 def shortest_measured_wave(window: xr.DataArray) -> float:
-    """Return the shortest wavelength (m) of a window: of its pixels and band, or where its spectrum ends."""
+    """Return the shortest wavelength (m) of a window: of pixels, band, S-filter, or where its spectrum ends."""
     ends = window.attrs.get("spectrum_exponent", 0.0) < SPECTRUM_ENDS
     spectrum_end = window.attrs["spectrum_end"] if ends else 0.0
-    return max(2 * max(spacing(window)), shortest_reliable_wave(window), spectrum_end)
+    limits = shortest_reliable_wave(window), s_index(window.attrs), spectrum_end
+    return max(2 * max(spacing(window)), *limits)
 
 
 def smoothed(window: Attributes) -> Check:
