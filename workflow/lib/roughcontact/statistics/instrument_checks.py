@@ -62,7 +62,7 @@ _PERIODIC_MAP = "Not made: the map is periodic as it is, as made ones are."
 
 
 def shortest_measured_wave(window: xr.DataArray) -> float:
-    """Return the shortest wavelength (m) of a window: of pixels, band, S-filter, or where its spectrum ends."""
+    """Return the shortest wave (m) of a window: of pixels, band or S-filter, or where its spectrum ends."""
     ends = window.attrs.get("spectrum_exponent", 0.0) < SPECTRUM_ENDS
     spectrum_end = window.attrs["spectrum_end"] if ends else 0.0
     limits = shortest_reliable_wave(window), s_index(window.attrs), spectrum_end
