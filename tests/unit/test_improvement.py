@@ -74,8 +74,8 @@ def test_the_words_of_precision_hold_on_the_bank():
         assert (table[f"{kind}: answers"] > 300).all()
 
 
-def statistics(widths, reasons=(), **attrs):
-    """Return statistics of one load with these relative half-widths by source."""
+def statistics(widths, reasons=(), *, name="relative_contact_area", **attrs):
+    """Return statistics of one load with these relative half-widths by source, and an area of a tenth."""
     half = np.array(
         [widths.get(source, np.nan) for source in SOURCES] + [np.hypot.reduce([*widths.values()])]
     )
@@ -84,11 +84,12 @@ def statistics(widths, reasons=(), **attrs):
     total = 0.1 * half[-1]
     return xr.Dataset(
         {
-            "relative_contact_area": ("load", [0.1]),
-            "relative_contact_area_lower": ("load", [0.1 - total]),
-            "relative_contact_area_upper": ("load", [0.1 + total]),
-            "relative_contact_area_uncertainty": (("load", "source"), 0.1 * half[None]),
-            "relative_contact_area_components": (("load", "source", "component"), components),
+            AREA: ("load", [0.1]),
+            name: ("load", [0.1]),
+            f"{name}_lower": ("load", [0.1 - total]),
+            f"{name}_upper": ("load", [0.1 + total]),
+            f"{name}_uncertainty": (("load", "source"), 0.1 * half[None]),
+            f"{name}_components": (("load", "source", "component"), components),
         },
         {"source": [*SOURCES, "combined"]},
         {"reasons": json.dumps([{"check": name} for name in reasons]), **attrs},
@@ -100,8 +101,8 @@ def statistics(widths, reasons=(), **attrs):
     [
         ({"window": 0.3, "solver": 0.01}, (), "more place"),
         ({"discretisation": 0.3, "window": 0.02}, (), "pixels half as large"),
-        ({"unresolved": 0.3, "window": 0.02}, (), "finer_spectrum"),
-        ({"unresolved": 0.3, "window": 0.02}, ("Smoothed",), "state the lens"),
+        ({"unresolved": 0.3, "window": 0.02}, (), "the spectrum of a finer measurement"),
+        ({"unresolved": 0.3, "window": 0.02}, ("Smoothed",), "state the numerical aperture of the lens"),
         ({"material": 0.3, "window": 0.02}, (), "contact modulus"),
         ({"instrument": 0.3, "window": 0.02}, (), "export the heights in finer steps"),
     ],
@@ -114,7 +115,7 @@ def test_the_largest_source_decides_what_halves_the_interval(widths, reasons, wo
 
 def test_the_number_of_places_for_ten_percent_is_the_smallest():
     places = int(improvement.planning_line(statistics({"window": 0.3, "solver": 0.01})).split()[0])
-    widths = improvement._half_widths_of_places(0.3, 0.1)
+    widths = improvement._half_widths_of_places(0.3, improvement._Known(AREA, 0.1))
     assert (
         improvement.half_width_of_mean(widths, places, 0.01)
         <= 0.1
@@ -125,6 +126,54 @@ def test_the_number_of_places_for_ten_percent_is_the_smallest():
     assert of_hardness == "no number of places, the hardness alone is ± 25.0 %"
     unbounded = improvement.planning_line(statistics({"instrument": np.inf, "window": 0.3}))
     assert unbounded == "no number of places, the instrument alone has no bound"
+
+
+@pytest.mark.parametrize(
+    ("name", "asked", "words"),
+    [
+        ("critical_constriction_y", {"leak_rate_x": ("load", [1e-9])}, "leak"),
+        ("conductance_per_conductivity", {"joint_conductance": ("load", [1e4])}, "conductance"),
+        ("mean_gap", {"gap_holds": ("load", [np.nan])}, "mean gap"),
+        ("max_pressure", {"allowed_pressure": 1e9}, "largest pressure"),
+        ("relative_contact_area", {}, "contact area"),
+    ],
+)
+def test_what_is_asked_for_is_to_be_halved(name, asked, words):
+    """Of what is asked for the window is the largest part; of the area, which nobody asked for, the pixels."""
+    area = statistics({"discretisation": 0.3, "window": 0.02})
+    both = area.merge(statistics({"window": 0.1, "solver": 0.01}, name=name), compat="override")
+    if name == AREA:
+        both = statistics({"window": 0.1, "solver": 0.01})
+    if name == "critical_constriction_y":  # the other way is closed, and has nothing to halve
+        closed = statistics({"window": 0.1}, name="critical_constriction_x")
+        both = both.merge(closed, compat="override").assign(critical_constriction_x=("load", [0.0]))
+    found = improvement.add_halving(both.assign(asked))
+    assert found.attrs["halved"] == words
+    assert "more place" in found.attrs["halve"]
+    assert "pixels" not in found.attrs["halve"]
+
+
+def test_the_part_of_a_leak_is_three_times_that_of_its_narrowest_place():
+    """The leak goes with the cube of it: so many places that its own ± is a tenth, not that of the place."""
+    leak = {"leak_rate_x": ("load", [1e-9])}
+    widths = {"window": 0.1, "solver": 0.001}
+    narrowest = statistics(widths, name="critical_constriction_x")
+    for way in ("lower", "upper", "uncertainty", "components"):
+        narrowest[f"critical_constriction_y_{way}"] = narrowest[f"critical_constriction_x_{way}"]
+    narrowest["critical_constriction_y"] = ("load", [0.0])
+    places = int(improvement.planning_line(narrowest.assign(leak)).split()[0])
+    # by the group of so many maps, whose opening is known to a thirtieth
+    groups = calibration.table()["groups"]
+    expected, divisor = (
+        groups["freedom"]["critical_constriction"],
+        groups["half_width"]["critical_constriction"],
+    )
+    half_widths = []
+    for n in (places - 1, places):
+        total = expected + n - 1
+        variance = (expected + scipy.stats.chi2(n - 1).median()) / total * (0.1 / divisor) ** 2
+        half_widths.append(np.hypot(scipy.stats.t.ppf(0.975, total) * np.sqrt(variance / n), 0.001))
+    assert half_widths[1] <= 0.1 / 3 < half_widths[0]
 
 
 def test_what_is_known_to_a_percent_need_not_be_halved():
@@ -169,7 +218,7 @@ def test_other_places_are_expected_to_be_known_as_those_of_the_bank():
     assert 0 < power < 1
     alike = np.exp(constant / (1 - power))  # on the scale; where a tenth touches it is as good as relative
     for ratio in (0.25, 0.5, 2.0):
-        of_map, elsewhere = improvement._half_widths_of_places(ratio * alike, 0.1)
+        of_map, elsewhere = improvement._half_widths_of_places(ratio * alike, improvement._Known(AREA, 0.1))
         assert of_map == ratio * alike
         assert elsewhere == pytest.approx(alike * ratio**power, rel=0.01)
 

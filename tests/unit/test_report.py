@@ -285,6 +285,7 @@ def test_the_summary_of_a_panel_lies_beside_it(page, tmp_path):
         "doubts": ["Form"],
         "main_reason": "Form: <b> & ±",
         "halve": "measure 3 more places of this size",
+        "halved": "contact area",
         "places": "5 places of this size in all",
         "overview": "",
         "loads": [0, 2],

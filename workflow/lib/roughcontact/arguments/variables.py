@@ -10,7 +10,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, CREEPING, QUANTITIES, TOTALS
+from roughcontact.arguments.answers import (
+    ALLOWED_VALUES,
+    ANSWERS,
+    ASKED_BY,
+    CREEPING,
+    QUANTITIES,
+    TOTALS,
+)
 from roughcontact.errors import RoughContactError
 
 Numbers = xr.Dataset | Mapping[str, Any]  # statistics, or their plain values by name
@@ -207,3 +214,19 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
         if name in dataset.dims:
             variable.attrs |= _AXES.get(str(name), {})
     return dataset
+
+
+def has_number(numbers: Numbers, name: str) -> bool:
+    """Return whether a number is present, at one load at least."""
+    return name in numbers and bool(np.isfinite(np.asarray(numbers[name], float)).any())
+
+
+def names_asked(numbers: Numbers) -> set[str]:
+    """Return the columns of `ASKED_BY` that a result is asked for in particular.
+
+    Examples
+    --------
+    >>> names_asked({"leak_rate_x": [1e-9]}), names_asked({"mean_gap": [1e-7]})
+    ({'sealing'}, set())
+    """
+    return {key for key, by in ASKED_BY.items() if any(has_number(numbers, name) for name in by)}

@@ -19,11 +19,10 @@ from roughcontact.arguments.answers import (
     USUAL,
 )
 from roughcontact.arguments.quantities import Unit, percent, quantity
-from roughcontact.arguments.variables import Numbers
+from roughcontact.arguments.variables import Numbers, has_number, names_asked
 from roughcontact.report.allowed import allowed_in_words, stated_allowed
 from roughcontact.report.units import (
     hardness_reached,
-    has_number,
     interval_at,
     lacks_interval,
     largest_source,
@@ -125,7 +124,7 @@ def asked_columns(results: Sequence[xr.Dataset]) -> list[int]:
     """
     names_asked: set[str] = set()
     for numbers in results:
-        names = {key for key, by in ASKED_BY.items() if any(has_number(numbers, name) for name in by)}
+        names = names_asked(numbers)
         names_asked |= names if names - {PEAK} else {*USUAL, *names}
     order = [*USUAL, *ASKED_BY]
     return [0, *(1 + COLUMN_NAMES.index(name) for name in order if name in names_asked)]

@@ -134,6 +134,7 @@ def write_panel(
             "doubts": [str(check.name) for check in doubts],
             "main_reason": outcome.reason_text(doubts[0], letters=_LINE) if doubts else "",
             "halve": str(numbers.attrs.get("halve", "")),
+            "halved": str(numbers.attrs.get("halved", "")),
             "places": str(numbers.attrs.get("places", "")),
             "overview": str(numbers.attrs.get("overview", "")),
             "loads": indices,

@@ -19,8 +19,9 @@ class Summary(TypedDict):
     reasons: list[str]  # of each check that did not pass, the most important first
     doubts: list[str]  # the names of these checks
     main_reason: str  # the first reason, in one line of the table
-    halve: str  # what would halve the ± of the contact area; empty where there is none
-    places: str  # how many make the contact area known to ± 10 %; empty where it is
+    halve: str  # what would halve the ± of what is asked for; empty where there is none
+    halved: str  # whose ± that is: "leak"
+    places: str  # how many make it known to ± 10 %; empty where it is
     overview: str  # how well gap and area are known with and without the overview; empty without one
     loads: list[int]  # indices of those shown in tables, loads rising
     measured: str  # date of the measurement, ISO 8601; empty where the file states none

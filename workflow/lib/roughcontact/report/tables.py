@@ -9,8 +9,8 @@ import xarray as xr
 from roughcontact.arguments.answers import COLUMNS, CREEPING, ENDS, TITLES, UNITS
 from roughcontact.arguments.kinds import PERIODIC_MAP
 from roughcontact.arguments.quantities import number, percent
-from roughcontact.arguments.variables import VARIABLES
-from roughcontact.report.units import has_number, lacks_interval, number_text, stated_loads, unit_of
+from roughcontact.arguments.variables import VARIABLES, has_number
+from roughcontact.report.units import lacks_interval, number_text, stated_loads, unit_of
 from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.statistics.kinds import facts_of_numbers, load_in_words, reason_without_flow
 

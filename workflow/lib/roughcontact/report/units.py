@@ -11,7 +11,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import AREA, GAP, PEAK
 from roughcontact.arguments.quantities import Unit, height_unit, number, prefix, pressure_unit, quantity
-from roughcontact.arguments.variables import Numbers
+from roughcontact.arguments.variables import Numbers, has_number
 from roughcontact.statistics.decisions import CLOSED
 from roughcontact.statistics.kinds import facts_of_numbers
 
@@ -148,11 +148,6 @@ def largest_source(numbers: Numbers, name: str, index: int) -> str:
         return ""
     widths = np.nan_to_num(np.asarray(numbers[key], float)[index][:-1], nan=-1.0)
     return str(np.asarray(numbers["source"])[widths.argmax()]) if widths.max(initial=0.0) > 0 else ""
-
-
-def has_number(numbers: Numbers, name: str) -> bool:
-    """Return whether a number is present, at one load at least."""
-    return name in numbers and bool(np.isfinite(np.asarray(numbers[name], float)).any())
 
 
 def is_unbounded(numbers: xr.Dataset, name: str) -> bool:

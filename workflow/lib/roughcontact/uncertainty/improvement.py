@@ -1,47 +1,52 @@
-"""What would halve the interval of a surface: one line, from the components of the contact area."""
+"""What would halve the interval of what a surface is asked for: one line, from the components of that number."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 import scipy
 import xarray as xr
 
-from roughcontact.arguments.answers import ENDS
+from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, ENDS
 from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.arguments.quantities import Unit, counted_noun, percent, quantity
+from roughcontact.arguments.variables import names_asked
 from roughcontact.statistics.outcome import CheckName
 from roughcontact.statistics.precision import precision_in_words, relative_half_width
 from roughcontact.uncertainty.calibration import scatter_between_maps, table
 from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.random_effects import student
-from roughcontact.uncertainty.scales import AREA, GAP, from_scale, to_scale
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, from_scale, to_scale
 
 _TYPICAL_AREA = 0.1  # the load with the contact area nearest to it is improved
 _MAX_MAPS = 100
 _NARROW = 0.01  # relative half-width that nobody need halve, as that of full contact
 _PLANNED = 0.1  # relative half-width that the number of places is told for
 ADVICE = {
-    "solver": "set the tolerance to a tenth (contact.tolerance)",
+    "solver": "set the tolerance of the solver to a tenth",
     "discretisation": "measure with pixels half as large",
     "instrument": "repeat the measurement and average, or state the instrument more narrowly",
     "material": "state contact modulus and load twice as narrowly",
-    "hardness": "measure the hardness (contact.hardness_uncertainty)",
-    "unresolved": "measure with pixels half as large, or state a finer spectrum (instrument.finer_spectrum)",
+    "hardness": "measure the hardness, and state it with its uncertainty",
+    "unresolved": "measure with pixels half as large, or state the spectrum of a finer measurement",
 }
 _WORTHWHILE = 0.9  # of the half-width, above which nothing is promised
 _OVERVIEW = "measure an overview, a field three times as long at a quarter of the magnification"
 _LONGER_FIELD = "measure a field 3 times as long"
 
 
-def half_width_of_mean(of_windows: Sequence[float], maps: int, shared_error: float) -> float:
+def half_width_of_mean(
+    of_windows: Sequence[float], maps: int, shared_error: float, name: str = AREA
+) -> float:
     """Return the median relative half-width of the mean of so many maps, as a group of them will have.
 
     `of_windows` are the relative half-widths of the source `window` of one map, and of one elsewhere;
     `shared_error` is that of what all maps share.
     """
     of_map, elsewhere = of_windows
-    scatter, expected = scatter_between_maps(AREA, (of_map + (maps - 1) * elsewhere) / maps)
+    scatter, expected = scatter_between_maps(name, (of_map + (maps - 1) * elsewhere) / maps)
     measured = maps - 1.0
     square = 2 * scipy.special.gammaincinv(measured / 2, 0.5)  # median of chi-square
     variance = scatter**2 * (expected + square) / (expected + measured)
@@ -49,20 +54,25 @@ def half_width_of_mean(of_windows: Sequence[float], maps: int, shared_error: flo
     return math.hypot(float(factor * np.sqrt(variance / maps)), shared_error)
 
 
-def maps_for(half_width: float, of_windows: Sequence[float], shared_error: float) -> int | None:
+def maps_for(
+    half_width: float, of_windows: Sequence[float], shared_error: float, name: str = AREA
+) -> int | None:
     """Return how many maps in all have a mean of this relative half-width; None for more than a hundred."""
     counts = range(2, _MAX_MAPS + 1)
-    return next((n for n in counts if half_width_of_mean(of_windows, n, shared_error) <= half_width), None)
+    widths = ((n, half_width_of_mean(of_windows, n, shared_error, name)) for n in counts)
+    return next((n for n, width in widths if width <= half_width), None)
 
 
 def planning_line(statistics: xr.Dataset) -> str:
-    """Return how many places of this size make the contact area known to ± 10 %; empty if it is already."""
-    area, half_width, widths = _known(statistics)
+    """Return how many places of this size make what is asked for known to ± 10 %; empty if it is already."""
+    known = _known(statistics)
+    widths = {**known.widths}
     of_window = widths.pop("window", math.inf)
-    if not math.isfinite(of_window) or half_width <= _PLANNED:
+    if not math.isfinite(of_window) or known.half_width <= _PLANNED:
         return ""
     shared_error = math.hypot(*widths.values())
-    if places := maps_for(_PLANNED, _half_widths_of_places(of_window, area), shared_error):
+    of_windows = _half_widths_of_places(of_window, known)
+    if places := maps_for(_PLANNED, of_windows, shared_error, known.name):
         return f"{counted_noun(places, 'place')} of this size in all"
     if shared_error >= _PLANNED:
         largest = max(widths, key=widths.__getitem__)
@@ -72,8 +82,13 @@ def planning_line(statistics: xr.Dataset) -> str:
 
 
 def add_halving(statistics: xr.Dataset, *, overview: bool = False) -> xr.Dataset:
-    """Return the statistics with the attributes `halve` and `places`, by the arguments of `halving_line`."""
+    """Return the statistics with the attributes `halve` and `places`, by the arguments of `halving_line`.
+
+    `halved` says whose interval that is.
+    """
     lines = {"halve": halving_line(statistics, overview=overview), "places": planning_line(statistics)}
+    if any(lines.values()):
+        lines["halved"] = _asked_number(statistics)[1]
     return statistics.assign_attrs({name: line for name, line in lines.items() if line})
 
 
@@ -101,12 +116,15 @@ def _typical_load(statistics: xr.Dataset) -> int:
 
 
 def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
-    """Return what would halve the interval of the contact area near 10 %; empty without one, or if narrow.
+    """Return what would halve the interval of what is asked for; empty without one, or if it is narrow.
 
-    `overview` says whether a coarser map around this one can be measured, where there is none.
+    That is a leak, a conductance, a number that something is allowed of, else the contact area, at the load
+    whose contact area is nearest to 10 %. `overview` says whether a coarser map around this one can be
+    measured, where there is none.
     """
-    value, half_width, widths = _known(statistics)
-    if math.isnan(value) or half_width <= _NARROW:
+    known = _known(statistics)
+    half_width, widths = known.half_width, known.widths
+    if math.isnan(known.value) or half_width <= _NARROW:
         return ""
     first_steps, advice = _advice(statistics)
     of_window = widths.get("window", 0.0)
@@ -114,10 +132,11 @@ def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
         return "; ".join([*first_steps, _LONGER_FIELD])
     if "window" in widths:
         shared_error = math.hypot(*(width for source, width in widths.items() if source != "window"))
-        of_windows = _half_widths_of_places(of_window, value)
-        advice["window"] = _more_places(half_width, shared_error, of_windows)
-        if overview and f"{AREA}_alone_lower" not in statistics:
-            promised = math.hypot(shared_error, _by_the_bank(table()["overview_promise"], of_window, value))
+        advice["window"] = _more_places(known, shared_error, _half_widths_of_places(of_window, known))
+        if overview and known.name == AREA and f"{AREA}_alone_lower" not in statistics:
+            promised = math.hypot(
+                shared_error, _by_the_bank(table()["overview_promise"], of_window, known.value)
+            )
             if promised < _WORTHWHILE * half_width:
                 text = f"{_OVERVIEW} (to about ± {percent(promised)})"
                 advice["window"] = f"{text}, or {advice['window'].removeprefix('measure ')}"
@@ -136,19 +155,21 @@ def _advice(statistics: xr.Dataset) -> tuple[list[str], dict[str, str]]:
     doubtful_checks = {entry["check"] for entry in json_attribute(attrs, "reasons")}
     if not Instrument.read(attrs).properties():
         advice["instrument"] = (  # of rounded heights, or a suspected noise
-            "export the heights in finer steps, or measure the place twice (repeat_of), which tells the noise"
+            "export the heights in finer steps, or measure the same place twice, which tells the noise"
         )
     if CheckName.SMOOTHED in doubtful_checks:
-        advice = dict.fromkeys(advice, "state the lens (instrument.numerical_aperture)")
+        advice = dict.fromkeys(advice, "state the numerical aperture of the lens")
     if CheckName.ISOLATED_PEAK not in doubtful_checks or "summit_x" not in attrs:
         return [], advice
     x, y = (quantity(float(attrs[f"summit_{axis}"]), "m") for axis in "xy")
     return [f"clean the summit at ({x}, {y})"], advice
 
 
-def _half_widths_of_places(of_window: float, area: float) -> tuple[float, float]:
+def _half_widths_of_places(of_window: float, known: "_Known") -> tuple[float, float]:
     """Return the relative half-widths of the window of a map, and of another place."""
-    return of_window, _by_the_bank(table()["groups"]["other_places"], of_window, area)
+    if known.name != AREA:  # of no other number the bank tells how those of other places differ
+        return of_window, of_window
+    return of_window, _by_the_bank(table()["groups"]["other_places"], of_window, known.value)
 
 
 def _by_the_bank(line: Sequence[float], of_window: float, area: float) -> float:
@@ -159,25 +180,64 @@ def _by_the_bank(line: Sequence[float], of_window: float, area: float) -> float:
     return slope * math.exp(constant) * (of_window / slope) ** power
 
 
-def _known(statistics: xr.Dataset) -> tuple[float, float, dict[str, float]]:
-    """Return the typical area, its relative half-width, and that of each source (inf: nothing bounds it)."""
-    if f"{AREA}_components" not in statistics:
-        return math.nan, math.nan, {}
+class _Known(NamedTuple):
+    """A number whose interval is to be halved: its relative half-width, and that of each source.
+
+    It is infinite where nothing bounds it. That of a leak is three times that of its narrowest place, whose
+    cube it is.
+    """
+
+    name: str
+    value: float = math.nan
+    half_width: float = math.nan
+    widths: Mapping[str, float] = MappingProxyType({})
+
+
+def _asked_number(statistics: xr.Dataset) -> tuple[list[str], str]:
+    """Return the names of the numbers of which one is asked for, and what they are in words."""
+    asked = [*names_asked(statistics)]
+    asked += [allowed.answer for name, allowed in ALLOWED_VALUES.items() if f"{name}_holds" in statistics]
+    for name, numbers, words in (
+        ("sealing", [*CONSTRICTIONS], "leak"),
+        *((name, [answer.quantity], answer.words) for name, answer in ANSWERS.items() if answer.quantity),
+    ):
+        if name in asked and f"{numbers[0]}_components" in statistics:
+            return numbers, words
+    return [AREA], ANSWERS[AREA].words
+
+
+def _known(statistics: xr.Dataset) -> _Known:
+    """Return the number that is asked for, at the typical load; of both ways of a leak the less known one."""
+    names, _ = _asked_number(statistics)
+    if f"{names[0]}_components" not in statistics:
+        return _Known(names[0])
     at_load = statistics.isel(load=_typical_load(statistics))
-    value, lower, upper = (float(at_load[f"{AREA}{suffix}"]) for suffix in ENDS)
-    is_unbounded = at_load[f"{AREA}_components"].isnull().any("component").values
-    widths = np.where(is_unbounded, np.inf, at_load[f"{AREA}_uncertainty"].values / value)
+    ways = [_known_at_load(at_load, name) for name in names]
+    return max(ways, key=lambda known: np.nan_to_num(known.half_width, nan=-1.0))
+
+
+def _known_at_load(at_load: xr.Dataset, name: str) -> _Known:
+    """Return a number at a load, not known where it has no value, as a leak through a closed gap."""
+    value, lower, upper = (float(at_load[f"{name}{suffix}"]) for suffix in ENDS)
+    if not value > 0:
+        return _Known(name)
+    power = 3.0 if name in CONSTRICTIONS else 1.0
+    components = at_load[f"{name}_components"]
+    is_unbounded = components.isnull().any("component").values
+    widths = np.where(is_unbounded, np.inf, at_load[f"{name}_uncertainty"].values / value * power)
     by_source: dict[str, float] = dict(zip(at_load["source"].values, map(float, widths), strict=True))
     by_source = {source: by_source[source] for source in SOURCES if not math.isnan(by_source[source])}
-    return value, float(relative_half_width(value, lower, upper)), by_source
+    return _Known(name, value, power * float(relative_half_width(value, lower, upper)), by_source)
 
 
-def _more_places(half_width: float, shared_error: float, of_windows: Sequence[float]) -> str:
+def _more_places(known: _Known, shared_error: float, of_windows: Sequence[float]) -> str:
     """Return how many more maps of this size halve the interval."""
-    target = half_width / 2 if shared_error < half_width / 2 else math.hypot(shared_error, of_windows[0] / 2)
-    maps = maps_for(target, of_windows, shared_error)
+    target = known.half_width / 2
+    if shared_error >= target:
+        target = math.hypot(shared_error, of_windows[0] / 2)
+    maps = maps_for(target, of_windows, shared_error, known.name)
     if maps is None:
         return "measure more places"
-    half_width_of_maps = half_width_of_mean(of_windows, maps, shared_error)
-    text = f" (their mean: to about ± {percent(half_width_of_maps)})" if half_width_of_maps < 1 else ""
+    half_width = half_width_of_mean(of_windows, maps, shared_error, known.name)
+    text = f" (their mean: to about ± {percent(half_width)})" if half_width < 1 else ""
     return f"measure {counted_noun(maps - 1, 'more place')} of this size{text}"

@@ -62,7 +62,7 @@ def solution(result: Mapping[str, Any], statistics: xr.Dataset) -> str:
         ("verdict", _verdict(result)),
         ("with overview", result["overview"]),
         ("largest part", largest_parts(numbers)),
-        ("to halve the ±", result["halve"]),
+        ("to halve the ±", f"of the {result['halved']}: {result['halve']}" if result["halve"] else ""),
         ("for ± 10 %", result["places"]),
         *((check["name"], check["sentence"]) for check in result["checks"] if check["outcome"] != "passed"),
     ]

@@ -124,9 +124,7 @@ def solve_file(
         ],
         "verdict": VERDICTS[worst_result(outcome)],
         "verdicts": {answer.words: VERDICTS[worst_result(outcome, name)] for name, answer in ANSWERS.items()},
-        "halve": statistics.attrs.get("halve", ""),
-        "places": statistics.attrs.get("places", ""),
-        "overview": statistics.attrs.get("overview", ""),
+        **{name: statistics.attrs.get(name, "") for name in ("halve", "halved", "places", "overview")},
         "warnings": [*Measurement.read(height.attrs).warnings],
         "settings": {key: settings[key] for key in stage_settings(settings, "statistics")},
     }
