@@ -4,13 +4,13 @@
 
 The rule, which was there before any answer was looked at: an answer *closed* or *open* (`gap_is_closed`) is
 right where the solved numbers of other places agree with it, by the definition that the product documents. A
-gap is closed where its narrowest place is at most 1 nm, or where it leaks at most 1e-12 m2/s; it is open where
-neither holds. An answer that is not decided is neither right nor wrong, and is counted.
+gap is closed where its narrowest place is at most 1 nm, or where it leaks at most 1e-12 m2/s; it is open
+where neither holds. An answer that is not decided is neither right nor wrong, and is counted.
 
-Each map asks for a seal at four pressures (p' of the whole map), along x and along y: eight answers a map. Its
-four quarters ask the same at the same pressures (Pa), each by its own ± alone. What is decided of a quarter is
-held against the whole map, and against each of the three quarters that it has not seen. Both are counted with
-the leak, as of a stated seal, and by the narrowest place alone, as where no seal is stated.
+Each map asks for a seal at four pressures (p' of the whole map), along x and along y: eight answers a map.
+Its four quarters ask the same at the same pressures (Pa), each by its own ± alone. What is decided of a
+quarter is held against the whole map, and against each of the three quarters that it has not seen. Both are
+counted with the leak, as of a stated seal, and by the narrowest place alone, as where no seal is stated.
 """
 
 import argparse
@@ -36,7 +36,7 @@ WATER = {"viscosity": "1 mPa s", "pressure_difference": "5 bar", "width": "5 mm"
 def solved(height, **load):
     """Return the statistics of a seal on a map, with their ±."""
     statistics = rc.evaluate(height, contact={"contact_modulus": MODULUS, **load}, statistics={"seal": WATER})
-    return statistics.drop_dims([dim for dim in statistics.dims if dim not in ("load", "source", "part")])
+    return statistics.drop_dims([dim for dim in statistics.dims if dim not in ("load", "source", "member")])
 
 
 def results_of(path, keep):
@@ -131,10 +131,9 @@ def main():
     answers = pd.DataFrame(rows)
     print(table_of(answers).to_string(index=False))
     for rule, total in table_of(answers).query("map == 'all'").groupby("rule"):
-        print(
-            f"{rule}: {total['right of the whole'].item() / total['decided'].item():.3f} of the decided right of "
-            f"the whole, {total['right'].item() / total['of other quarters'].item():.3f} of other quarters"
-        )
+        of_whole = total["right of the whole"].item() / total["decided"].item()
+        of_others = total["right"].item() / total["of other quarters"].item()
+        print(f"{rule}: {of_whole:.3f} of the decided right of the whole, {of_others:.3f} of other quarters")
     if options.write:
         answers.to_csv(options.write, index=False, float_format="%.4g")
 

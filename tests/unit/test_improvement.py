@@ -139,7 +139,7 @@ def test_the_number_of_places_for_ten_percent_is_the_smallest():
     ],
 )
 def test_what_is_asked_for_is_to_be_halved(name, asked, words):
-    """Of what is asked for the window is the largest part; of the area, which nobody asked for, the pixels."""
+    """Its largest part is the window; that of the area, which nobody asked for, the pixels."""
     area = statistics({"discretisation": 0.3, "window": 0.02})
     both = area.merge(statistics({"window": 0.1, "solver": 0.01}, name=name), compat="override")
     if name == AREA:

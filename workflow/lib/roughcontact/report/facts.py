@@ -27,7 +27,7 @@ from roughcontact.surface.roughness.profile_parameters import profile_parameters
 from roughcontact.surface.roughness.texture import LAY
 from roughcontact.surface.window.band import shortest_reliable_wave
 
-_FLOW_NOT_SOLVED = "not solved; state a seal, or flow: always in the section statistics"
+_FLOW_NOT_SOLVED = "not solved, as no seal is stated"
 
 
 def surface_facts(
@@ -77,7 +77,7 @@ def _assumed(numbers: xr.Dataset) -> str:
     )
     noise = "" if "noise" in stated else "no noise but what a flat spectrum shows"
     missing = " and ".join(filter(None, (lens, noise)))
-    return f"{missing}: state them in the section instrument" if missing else ""
+    return f"{missing}, as nobody has stated them" if missing else ""
 
 
 def number_facts(numbers: xr.Dataset) -> list[tuple[str, str]]:

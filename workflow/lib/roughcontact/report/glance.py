@@ -122,12 +122,12 @@ def asked_columns(results: Sequence[xr.Dataset]) -> list[int]:
     >>> [HEADINGS[place] for place in asked_columns([xr.Dataset({"contact_radius": ("load", [5e-5])})])[1:]]
     ['contact radius', 'largest pressure']
     """
-    names_asked: set[str] = set()
+    columns: set[str] = set()
     for numbers in results:
         names = names_asked(numbers)
-        names_asked |= names if names - {PEAK} else {*USUAL, *names}
+        columns |= names if names - {PEAK} else {*USUAL, *names}
     order = [*USUAL, *ASKED_BY]
-    return [0, *(1 + COLUMN_NAMES.index(name) for name in order if name in names_asked)]
+    return [0, *(1 + COLUMN_NAMES.index(name) for name in order if name in columns)]
 
 
 def verdict_on_asked(numbers: xr.Dataset, indices: Sequence[int], verdict: str) -> str:

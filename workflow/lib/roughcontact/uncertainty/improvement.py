@@ -1,4 +1,4 @@
-"""What would halve the interval of what a surface is asked for: one line, from the components of that number."""
+"""What would halve the interval of what a surface is asked for: one line, from the components of it."""
 
 import math
 from collections.abc import Mapping, Sequence
