@@ -19,6 +19,11 @@ def gap(value, lower, upper, *, area=(NAN, NAN), **others):
     return {"mean_pressure": [1e6]} | columns | ends | others
 
 
+def mean_gap(value, lower, upper=NAN):
+    """Return the mean gap of one load, with its ends."""
+    return {"mean_gap": [value], "mean_gap_lower": [lower], "mean_gap_upper": [upper]}
+
+
 @pytest.mark.parametrize(
     ("numbers", "decision"),
     [
@@ -26,13 +31,25 @@ def gap(value, lower, upper, *, area=(NAN, NAN), **others):
         (gap(0.0, 0.0, 1.1 * CLOSED), NAN),
         (gap(2e-10, 0.0, 0.9 * CLOSED), 1),  # an opening below a molecule
         (gap(0.0, 0.0, NAN), NAN),
-        (gap(0.0, 0.0, 1e-8, leak_rate_x_upper=[0.9 * TIGHT]), 1),
-        (gap(0.0, 0.0, 1e-8, leak_rate_x_upper=[1.1 * TIGHT]), NAN),
+        # a way as open as leaks a thousandth of what counts as none is closed to ten times its opening
+        (gap(5e-8, 0.0, 4.9e-7, leak_rate_x=[1e-3 * TIGHT]), 1),
+        (gap(5e-8, 0.0, 5.1e-7, leak_rate_x=[1e-3 * TIGHT]), NAN),
+        (gap(5e-8, 2e-8, 6e-8, leak_rate_x=[1e3 * TIGHT]), 0),  # from a tenth of its opening on it is open
+        (gap(5e-8, 4e-9, 6e-8, leak_rate_x=[1e3 * TIGHT]), NAN),
+        # of a closed one plates of that opening count
+        (gap(0.0, 0.0, 9e-9, leak_rate_x=[0.0], leak_rate_by_cube=TIGHT / 1e-24), 1),
+        (gap(0.0, 0.0, 1.1e-8, leak_rate_x=[0.0], leak_rate_by_cube=TIGHT / 1e-24), NAN),
         (gap(0.0, 0.0, 1e-8, area=(1.0, 1.0)), 1),  # full contact
         (gap(5e-8, 0.0, 1e-7, area=(0.01, 0.99 * OPEN_BELOW[0])), 0),
         (gap(5e-8, 0.0, 1e-7, area=(0.01, 0.99 * OPEN_BELOW[1]), Str=0.3), NAN),
         (gap(5e-8, 0.0, 1e-7, area=(0.01, 0.99 * OPEN_BELOW[1]), Str=0.7), 0),
         (gap(0.0, 0.0, 1e-7, area=(0.01, 0.99 * OPEN_BELOW[0])), NAN),  # this map is closed all the same
+        # around islands the narrowest place is as well known as the mean gap
+        (gap(5e-8, 0.0, 1e-6, area=(0.0, 0.09), leak_rate_x=[1e3 * TIGHT], **mean_gap(1e-7, 2.1e-8)), 0),
+        (gap(5e-8, 0.0, 1e-6, area=(0.0, 0.09), leak_rate_x=[1e3 * TIGHT], **mean_gap(1e-7, 9e-9)), NAN),
+        (gap(5e-8, 0.0, 1e-6, area=(0.0, 0.11), leak_rate_x=[1e3 * TIGHT], **mean_gap(1e-7, 2e-8)), NAN),
+        (gap(5e-8, 0.0, 1e-6, area=(0.0, 0.09), leak_rate_x=[1e-2 * TIGHT], **mean_gap(1e-7, 0, 4e-7)), 1),
+        (gap(5e-8, 0.0, 1e-6, area=(0.0, 0.09), leak_rate_x=[1e-2 * TIGHT], **mean_gap(1e-7, 0, 5e-7)), NAN),
         (gap(5e-8, 0.0, 1e-7, critical_constriction_x_parts=[[5e-8]] * 7 + [[0.0]] * 2), 0),
         (gap(5e-8, 0.0, 1e-7, critical_constriction_x_parts=[[5e-8]] * 6 + [[0.0]] * 3), NAN),
         (gap(0.0, 0.0, 1e-7, critical_constriction_x_parts=[[0.0]] * 9), 1),

@@ -64,6 +64,24 @@ def test_init_takes_forces_a_form_a_group_and_looks_into_the_files(folder, capsy
     assert table[-2:] == ["surface\tpath\tgroup\tlay", "a\ta.npy\tballs\tnone"]
 
 
+def test_two_groups_are_written_by_one_command(folder, capsys):
+    for name in ("a1.npy", "a2.npy", "b1.npy", "b2.npy", "c.npy"):
+        np.save(folder / name, np.random.default_rng(0).normal(size=(16, 16)))
+    groups = ["--group", "A", "a1.npy", "a2.npy", "--group", "B", "b1.npy", "b2.npy", "--parts", "2x2"]
+    assert main(["init", "c.npy", *groups, *BODIES, "--mean-pressure", "2MPa"]) == 0
+    assert "5 surfaces" in capsys.readouterr().out
+    head, *rows = (line.split("\t") for line in (folder / "config/surfaces.tsv").read_text().splitlines()[-6:])
+    assert head == ["surface", "path", "group", "parts"]
+    assert {name: group for name, _, group, _ in rows} == {"c": "", "a1": "A", "a2": "A", "b1": "B", "b2": "B"}
+    assert {parts for *_, parts in rows} == {"2x2"}
+
+
+def test_a_file_is_in_one_group_alone(folder, capsys):
+    np.save(folder / "a.npy", np.ones((4, 4)))
+    assert main(["init", "--group", "A", "a.npy", "--group", "B", "a.npy", *BODIES]) == 2
+    assert "--group B: a.npy is in A already" in capsys.readouterr().err
+
+
 def test_what_is_given_again_adds_to_what_was_given(folder):
     """Each of several loads, and each key of a seal, may have an option of its own, as each body has."""
     np.save("a.npy", np.ones((4, 4)))

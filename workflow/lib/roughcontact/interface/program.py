@@ -65,9 +65,13 @@ _LOADS_AND_FORM = {
     "level-form": "form that is subtracted: plane (default), polynomial, sphere, cylinder (a bullet land)",
 }
 _COLUMNS = {
-    "group": "name of the finish that all files are maps of, for their numbers together",
     "lay": "of profiles: across (one lay, the profiles across it) or none (alike in all directions)",
+    "parts": "2x2: cut each map into so many parts along x and y, each solved as if measured alone",
 }
+_GROUP = (
+    "name of a finish or a workpiece, and its maps, whose numbers then stand together; again for the next one, "
+    "with which it is compared. Without files: of all maps"
+)
 
 _RESULT = "a result: its folder, results/SURFACE, or its file of numbers, statistics.nc or that of solve"
 
@@ -265,6 +269,8 @@ def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(f"--{option}", nargs="+", action="extend", metavar="VALUE", help=text)
     text = "solve also the removal of the heaviest load: the shape that is left"
     parser.add_argument("--unload", action="store_true", help=text)
+    metavar = ("NAME", "FILE")
+    parser.add_argument("--group", nargs="+", action="append", default=[], metavar=metavar, help=_GROUP)
     for column, text in _COLUMNS.items():
         parser.add_argument(f"--{column}", metavar="TEXT", help=text)
     _add_derived(parser)
@@ -447,6 +453,14 @@ def _init(options: argparse.Namespace) -> int:
     from roughcontact.interface.command_line.project import collect_files, problems, write_project
 
     files, omissions = collect_files(options.files)
+    groups: dict[str, str] = {}  # file -> name
+    for name, *paths in options.group:
+        of_group, left_out = collect_files(paths) if paths else (files, [])
+        if twice := sorted(groups.keys() & {*of_group}):
+            raise SettingsError(f"--group {name}: {twice[0]} is in {groups[twice[0]]} already")
+        groups |= dict.fromkeys(of_group, name)
+        omissions += left_out
+    files = list(dict.fromkeys([*files, *groups]))
     contact: dict[str, Any] = {"bodies": parse_bodies(options.body)} if options.body else {}
     contact |= {name: value for name in ("mean_pressure", "force") if (value := getattr(options, name))}
     contact |= {"area": options.area[0]} if options.area else {}
@@ -457,7 +471,7 @@ def _init(options: argparse.Namespace) -> int:
     sections |= {"level": {"form": options.level_form[0]}} if options.level_form else {}
     sections["statistics"] = _derived(options)
     try:
-        settings, table = write_project(files, sections=sections, columns=columns)
+        settings, table = write_project(files, sections=sections, columns=columns, groups=groups)
     except SettingsError as error:
         raise SettingsError(message_with_options(error)) from error
     if not options.body:

@@ -31,7 +31,13 @@ from roughcontact.report.units import (
     unit_of,
 )
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
-from roughcontact.statistics.decisions import CLOSED, gap_is_closed, is_yielding
+from roughcontact.statistics.decisions import (
+    CLOSED,
+    TIGHT,
+    closed_opening,
+    gap_is_closed,
+    is_yielding,
+)
 from roughcontact.statistics.kinds import reason_without_flow
 from roughcontact.statistics.outcome import FAILED, VERDICTS
 from roughcontact.statistics.precision import is_known, precision_in_words
@@ -333,15 +339,23 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     if (reason := reason_without_flow(numbers)) or not has_number(numbers, "gap_percolates_x"):
         return Cell(NOT_JUDGED, reason)
     decisions = {axis: gap_is_closed(numbers, axis)[index] for axis in "xy"}
-    percolates = [axis for axis in "xy" if float(numbers[f"gap_percolates_{axis}"][index])]
+    passed = [axis for axis in "xy" if float(numbers[f"gap_percolates_{axis}"][index])]
+    leaking = [
+        axis
+        for axis in passed
+        if not interval_at(numbers, f"critical_constriction_{axis}", index)[0]
+        <= closed_opening(numbers, axis)[index]
+    ]
     is_open = [
-        axis for axis in "xy" if decisions[axis] == 0 or (np.isnan(decisions[axis]) and axis in percolates)
+        axis for axis in "xy" if decisions[axis] == 0 or (np.isnan(decisions[axis]) and axis in leaking)
     ]
     judged = [axis for axis in "xy" if has_number(numbers, f"critical_constriction_{axis}_lower")]
     undecided = [axis for axis in judged if np.isnan(decisions[axis])]
     precision = "" if len(judged) < 2 else _NOT_DECIDED if undecided else _DECIDED
     axes_shown = [axis for axis in "xy" if axis in is_open + undecided]
-    details = [] if is_open else ["gap closed along x and y"]
+    # a way through that leaks so little counts as closed
+    tight = f"leaks at most {units['leak_rate_x'].text(TIGHT)}" if passed else "gap closed along x and y"
+    details = [] if is_open else [tight]
     for sentence, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
         if axes_shown and has_number(numbers, f"{name}_x"):
             result = {axis: _unbroken(numbers, f"{name}_{axis}", units, index) for axis in axes_shown}

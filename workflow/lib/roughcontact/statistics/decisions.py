@@ -6,7 +6,7 @@ yields goes on; what is certainly open, or elastic, was so under less.
 
 import numpy as np
 
-from roughcontact.arguments.answers import AREA, ENDS, PEAK, PRESSURE
+from roughcontact.arguments.answers import AREA, ENDS, GAP, PEAK, PRESSURE
 from roughcontact.arguments.variables import Numbers
 from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.surface.roughness.texture import LAY
@@ -25,12 +25,30 @@ _MAX_DIFFERENT, _MIN_PARTS = 0.25, 6
 _HARDNESS_ROUNDING = 1e-9
 
 
+def closed_opening(numbers: Numbers, axis: str) -> np.ndarray:
+    """Return per load the narrowest place (m) up to which a gap is closed along an axis.
+
+    That is `CLOSED`, or the wider one that leaks `TIGHT`: a leak goes with the cube of its narrowest place.
+
+    Examples
+    --------
+    >>> narrowest = {"critical_constriction_x": [1e-7], "mean_pressure": [1e6]}
+    >>> closed_opening(narrowest | {"leak_rate_x": [8e-12]}, "x"), closed_opening(narrowest, "x")
+    (array([5.e-08]), array([1.e-09]))
+    """
+    opening, leak = (_of_loads(numbers, f"{name}_{axis}") for name in ("critical_constriction", "leak_rate"))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        by_cube = np.where(leak > 0, leak / opening**3, _number(numbers, "leak_rate_by_cube"))
+        return np.fmax(CLOSED, np.cbrt(TIGHT / by_cube))
+
+
 def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
     """Return per load 1 where the gap is closed along an axis for certain, 0 where it is open, else NaN.
 
-    It is closed in full contact and where the upper end of the narrowest place is below `CLOSED`, or that of
-    the leak below `TIGHT`; open where the lower end is above, or the upper end of the contact area below
-    `OPEN_BELOW`; either where nearly all parts of the window, which are smaller, are as the window.
+    It is closed in full contact, and where the upper end of the narrowest place is at most `closed_opening`,
+    open where its lower end is above; either where nearly all parts of the window, which are smaller, are as
+    the window. Where the upper end of the contact area is below `OPEN_BELOW` the gap is open around islands,
+    and its narrowest place is known at least as well as its mean.
 
     Examples
     --------
@@ -43,24 +61,27 @@ def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
     """
     name = f"critical_constriction_{axis}"
     value, lower, upper = (_of_loads(numbers, f"{name}{suffix}") for suffix in ENDS)
-    # a leak so small is none, whatever its path
-    tight = _of_loads(numbers, f"leak_rate_{axis}_upper") <= TIGHT
+    limit = closed_opening(numbers, axis)
     full = _of_loads(numbers, f"{AREA}_lower") >= 1
     without_lay = float(np.asarray(numbers.get("Str", np.nan))) > LAY
     # with a lay, or where its direction is unknown, the lower of both limits
-    sparse = _of_loads(numbers, f"{AREA}_upper") < OPEN_BELOW[without_lay]
-    closed_parts, open_parts = _shares(numbers, f"{name}_parts", value.size)
-    yes = (upper <= CLOSED) | tight | full | ((value <= CLOSED) & (closed_parts >= 1 - _MAX_DIFFERENT))
-    no = (lower > CLOSED) | ((value > CLOSED) & (sparse | (open_parts >= 1 - _MAX_DIFFERENT)))
+    has_islands = (value > CLOSED) & (_of_loads(numbers, f"{AREA}_upper") < OPEN_BELOW[without_lay])
+    mean, *ends = (_of_loads(numbers, f"{GAP}{suffix}") for suffix in ENDS)
+    least, most = (np.where(has_islands, value * end / mean, np.nan) for end in ends)
+    closed_parts, open_parts = _shares(numbers, f"{name}_parts", limit)
+    yes = full | (np.fmin(upper, most) <= limit)
+    yes |= (value <= limit) & (closed_parts >= 1 - _MAX_DIFFERENT)
+    no = (np.fmax(lower, least) > limit) | (has_islands & (limit <= CLOSED))
+    no |= (value > limit) & (open_parts >= 1 - _MAX_DIFFERENT)
     return _monotone(numbers, yes=yes, no=no)
 
 
-def _shares(numbers: Numbers, name: str, loads: int) -> tuple[np.ndarray, np.ndarray]:
+def _shares(numbers: Numbers, name: str, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the shares of the parts of a window that are closed, and open; NaN where too few were solved."""
-    parts = np.asarray(numbers.get(name, np.full((1, loads), np.nan)), float)
+    parts = np.asarray(numbers.get(name, np.full((1, limit.size), np.nan)), float)
     count = np.isfinite(parts).sum(axis=0)
     solved = np.where(count >= _MIN_PARTS, count, np.nan)
-    return (parts <= CLOSED).sum(axis=0) / solved, (parts > CLOSED).sum(axis=0) / solved
+    return (parts <= limit).sum(axis=0) / solved, (parts > limit).sum(axis=0) / solved
 
 
 def is_yielding(numbers: Numbers) -> np.ndarray:

@@ -29,11 +29,12 @@ def write_project(
     *,
     sections: Mapping[str, Mapping[str, Any]] | None = None,
     columns: Mapping[str, str] | None = None,
+    groups: Mapping[str, str] | None = None,
 ) -> list[Path]:
     r"""Write settings and a table of the measured files into the folder `config`; return the written files.
 
-    Settings of `sections` (`contact`, `form`, `statistics`) and further `columns`, the same for all files,
-    may be known; other settings are examples in comments.
+    Settings of `sections` (`contact`, `form`, `statistics`), further `columns`, the same for all files, and
+    `groups` (file -> name) may be known; other settings are examples in comments.
 
     Examples
     --------
@@ -55,7 +56,10 @@ def write_project(
     for file in files:
         if not Path(file).is_file():
             raise SettingsError(f"{file}: no such file")
-    rows = [row | dict(columns or {}) for row in rows_of(files)]
+    of_all, groups = dict(columns or {}), groups or {}
+    rows = [
+        row | ({"group": groups.get(row["path"], "")} if groups else {}) | of_all for row in rows_of(files)
+    ]
     sections = sections or {}
     if any(sections.values()):
         resolve(sections)
