@@ -1,6 +1,9 @@
 """When a yes or no is decided: a gap that is closed or open, a body that yields or not."""
 
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -122,3 +125,14 @@ def test_yield_below_the_surface_counts_and_first_yield_far_below_the_load():
     np.testing.assert_array_equal(is_yielding(numbers | below), [NAN, 1])
     elastic = {"max_pressure": [1e9, 1e9], "max_pressure_upper": [1.5e9, 1.9e9]}
     np.testing.assert_array_equal(is_yielding(numbers | elastic), [0, 0])
+
+
+@pytest.mark.parametrize("maps", ["ten", "others"])
+def test_the_decided_answers_of_a_seal_are_right_of_other_places(maps):
+    """Counts of `benchmarks/sealing.py`: at most 25 of 80 not decided, 95 % of those of quarters right."""
+    table = pd.read_csv(Path(__file__).parents[2] / "benchmarks/results/sealing.csv")
+    total = table[(table["maps"] == maps) & (table["map"] == "all")].set_index("seal")
+    assert (total["not decided"] <= 25 / 80 * total["answers"] + 2 * (maps == "others")).all()
+    least = {"ten": [0.95, 0.95, 0.95], "others": [0.95, 0.93, 0.93]}[maps]
+    for of in ("the whole", "other quarters"):
+        assert (total[f"right of {of}"] / total[f"against {of}"] >= least).all()

@@ -70,9 +70,17 @@ def test_two_groups_are_written_by_one_command(folder, capsys):
     groups = ["--group", "A", "a1.npy", "a2.npy", "--group", "B", "b1.npy", "b2.npy", "--parts", "2x2"]
     assert main(["init", "c.npy", *groups, *BODIES, "--mean-pressure", "2MPa"]) == 0
     assert "5 surfaces" in capsys.readouterr().out
-    head, *rows = (line.split("\t") for line in (folder / "config/surfaces.tsv").read_text().splitlines()[-6:])
+    head, *rows = (
+        line.split("\t") for line in (folder / "config/surfaces.tsv").read_text().splitlines()[-6:]
+    )
     assert head == ["surface", "path", "group", "parts"]
-    assert {name: group for name, _, group, _ in rows} == {"c": "", "a1": "A", "a2": "A", "b1": "B", "b2": "B"}
+    assert {name: group for name, _, group, _ in rows} == {
+        "c": "",
+        "a1": "A",
+        "a2": "A",
+        "b1": "B",
+        "b2": "B",
+    }
     assert {parts for *_, parts in rows} == {"2x2"}
 
 
