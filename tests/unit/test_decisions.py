@@ -127,12 +127,12 @@ def test_yield_below_the_surface_counts_and_first_yield_far_below_the_load():
     np.testing.assert_array_equal(is_yielding(numbers | elastic), [0, 0])
 
 
-@pytest.mark.parametrize("maps", ["ten", "others"])
-def test_the_decided_answers_of_a_seal_are_right_of_other_places(maps):
-    """Counts of `benchmarks/sealing.py`: at most 25 of 80 not decided, 95 % of those of quarters right."""
+@pytest.mark.parametrize(("maps", "least"), [("ten", 0.95), ("others", 0.92)])
+def test_the_decided_answers_of_a_seal_are_right_of_other_places(maps, least):
+    """Counts of `benchmarks/sealing.py`: of ten maps at most 25 of 80 not decided, 95 % of the decided right."""
     table = pd.read_csv(Path(__file__).parents[2] / "benchmarks/results/sealing.csv")
-    total = table[(table["maps"] == maps) & (table["map"] == "all")].set_index("seal")
-    assert (total["not decided"] <= 25 / 80 * total["answers"] + 2 * (maps == "others")).all()
-    least = {"ten": [0.95, 0.95, 0.95], "others": [0.95, 0.93, 0.93]}[maps]
+    total = table[(table["maps"] == maps) & (table["map"] == "all")]
+    assert len(total) == 3
+    assert (total["not decided"] <= total["answers"] * (25 / 80 if maps == "ten" else 1 / 3)).all()
     for of in ("the whole", "other quarters"):
         assert (total[f"right of {of}"] / total[f"against {of}"] >= least).all()

@@ -69,7 +69,7 @@ _COLUMNS = {
     "parts": "2x2: cut each map into so many parts along x and y, each solved as if measured alone",
 }
 _GROUP = (
-    "name of a finish or a workpiece, and its maps, whose numbers then stand together; again for the next one, "
+    "name of a finish or a workpiece, and its maps, whose numbers then stand together; again for the next, "
     "with which it is compared. Without files: of all maps"
 )
 
