@@ -129,7 +129,7 @@ def test_yield_below_the_surface_counts_and_first_yield_far_below_the_load():
 
 @pytest.mark.parametrize(("maps", "least"), [("ten", 0.95), ("others", 0.92)])
 def test_the_decided_answers_of_a_seal_are_right_of_other_places(maps, least):
-    """Counts of `benchmarks/sealing.py`: of ten maps at most 25 of 80 not decided, 95 % of the decided right."""
+    """Counts of `benchmarks/sealing.py`: at most 25 of 80 not decided, 95 % right."""
     table = pd.read_csv(Path(__file__).parents[2] / "benchmarks/results/sealing.csv")
     total = table[(table["maps"] == maps) & (table["map"] == "all")]
     assert len(total) == 3

@@ -77,7 +77,7 @@ def _assumed(numbers: xr.Dataset) -> str:
     )
     noise = "" if "noise" in stated else "no noise but what a flat spectrum shows"
     missing = " and ".join(filter(None, (lens, noise)))
-    return f"{missing}, as nobody has stated them" if missing else ""
+    return f"{missing}, until they are stated" if missing else ""
 
 
 def number_facts(numbers: xr.Dataset) -> list[tuple[str, str]]:
