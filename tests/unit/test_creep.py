@@ -175,3 +175,9 @@ def test_each_exit_has_what_has_crept_with_its_time(tmp_path):
     assert frame.loc["early", "mean_gap_after_3600s_m"] == pytest.approx(gap, rel=1e-12)
     assert frame.loc["early", "mean_gap_after_60s_m"] > gap
     assert np.isnan(frame.loc["late", "mean_gap_after_60s_m"])
+    for numbers, labels in ((together, [("case", "late")]), (statistics, [])):
+        rows = rc.summary(numbers).set_index([*dict(labels), "quantity", "time"]).sort_index()
+        row = rows.loc[[(*dict(labels).values(), "mean_gap_after", time)]].iloc[0]
+        of_time = statistics.sel(time=time).isel(load=0)
+        for column, suffix in (("value", ""), ("lower", "_lower"), ("upper", "_upper")):
+            assert row[column] == of_time[f"mean_gap_after{suffix}"]

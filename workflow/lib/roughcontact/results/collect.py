@@ -217,7 +217,7 @@ def summary(result: xr.Dataset) -> pd.DataFrame:
         a row for each `quantity` and `load` (mean pressure in Pa, of a body of finite size the force in N):
         `value`, `lower` and `upper` in the unit of the variable, `known` (larger half-width over the value,
         NaN where nothing bounds it) and `verdict` (use, review, do not use) on what the quantity belongs to;
-        `surface` and `case` where there are any.
+        `surface`, `case` and, of bodies that creep, `time` (s) where there are any.
 
     Raises
     ------
@@ -238,17 +238,19 @@ def summary(result: xr.Dataset) -> pd.DataFrame:
     words = np.array(list(VERDICTS.values()), object)
     for labels, statistics in solved_results(result):
         loads = statistics["force" if "force" in statistics else "mean_pressure"].values
-        # numbers of each load alone: densities and profiles have no interval
-        of_loads = [str(name) for name, variable in statistics.items() if variable.dims == ("load",)]
-        for name in of_loads:
-            if {f"{name}_lower", f"{name}_upper", "verdict"} <= {*statistics.data_vars}:
-                verdict = statistics.get(f"{answer_name(name)}_verdict", statistics["verdict"]).values.astype(
-                    int
-                )
-                values = [statistics[f"{name}{suffix}"].values for suffix in ENDS]
-                columns = {"quantity": name, "load": loads, **dict(zip(_VALUES, values, strict=True))}
-                columns |= {"known": relative_half_width(*values), "verdict": words[verdict]}
-                frames.append(pd.DataFrame(labels | columns))
+        # numbers of each load, and time, alone: densities and profiles have no interval
+        crept = [name for name, variable in statistics.items() if "time" in variable.dims]
+        times = [(time, statistics[crept].sel(time=time)) for time in statistics.get("time", ())]
+        for time, numbers in ((None, statistics), *times):
+            of_loads = [str(name) for name, variable in numbers.items() if variable.dims == ("load",)]
+            for name in of_loads:
+                if {f"{name}_lower", f"{name}_upper"} <= {*numbers} and "verdict" in statistics:
+                    verdict = statistics.get(f"{answer_name(name)}_verdict", statistics["verdict"])
+                    values = [numbers[f"{name}{suffix}"].values for suffix in ENDS]
+                    columns = {"quantity": name, "load": loads, **dict(zip(_VALUES, values, strict=True))}
+                    columns |= {"known": relative_half_width(*values), "verdict": words[verdict.astype(int)]}
+                    of_time = {} if time is None else {"time": float(time)}
+                    frames.append(pd.DataFrame(labels | columns | of_time))
     if not frames:
         raise SettingsError(
             "summary: the dataset has no interval with a verdict; give the result of evaluate, with its "
