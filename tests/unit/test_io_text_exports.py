@@ -7,8 +7,8 @@ import pytest
 from measured_files import GIVEN, cells, holds, points, refuses, saved, steps, warnings_of
 from shared_data import DATA
 
-from roughcontact import inspect_file, read_height_map
-from roughcontact.io.text import columns
+from roughcontact import InputFileError, inspect_file, read_height_map
+from roughcontact.io.text import columns, header
 
 NUMBER = np.arange(12)
 X = 0.5 * NUMBER
@@ -364,6 +364,17 @@ def test_a_line_of_many_entries_is_looked_at_once(read, monkeypatch):
     line = "dx = 1 um, " * 50_000
     assert read(f"{line}\n{cells(GRID)}", **GIVEN).shape == (3, 4)
     assert len(calls) < 100
+
+
+def test_lines_that_repeat_others_are_compared_once(read, monkeypatch):
+    calls = []
+    agree = header._agree
+    monkeypatch.setattr(header, "_agree", lambda *arguments: calls.append(1) or agree(*arguments))
+    lines = "Width: 4 um\nHeight: 3 um\ndx = 1 um\n" * 300
+    assert read(f"{lines}{cells(GRID)}", height_unit="um").shape == (3, 4)
+    assert len(calls) < 2000  # of 90 000 pairs
+    with pytest.raises(InputFileError, match="line 902 says 'Width: 5 um': they do not agree for 4 columns"):
+        read(f"{lines}\nWidth: 5 um\n{cells(GRID)}", height_unit="um")
 
 
 @pytest.mark.shared_data

@@ -96,7 +96,7 @@ class Stated(dict[str, list[Statement]]):
         return next((self[meaning][0].value for meaning in meanings if meaning in self), None)
 
     def lengths_along(self, axis: str, count: int) -> list[tuple[Statement, int]]:
-        """Return the steps and sizes along an axis of `count` points, and how many steps each has."""
+        """Return the steps and sizes along an axis of `count` points, each once, and how many steps it has."""
         single, common, sizes = (self.get(key, []) for key in ("d" + axis, "step", "length_" + axis))
         if {length.line for length in single} & {length.line for length in common}:
             common = []  # "spacing ...; line spacing ..."
@@ -105,7 +105,10 @@ class Stated(dict[str, list[Statement]]):
             [each for each in lengths if each.unit or each.value != count or not common + others]
             for lengths, others in ((single, sizes), (sizes, single))
         )
-        return [*((step, 1) for step in single + common), *((size, count) for size in sizes)]
+        distinct: dict[tuple, tuple[Statement, int]] = {}
+        for length, points in (*((step, 1) for step in single + common), *((size, count) for size in sizes)):
+            distinct.setdefault((*length[:3], points), (length, points))
+        return [*distinct.values()]
 
 
 def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> Stated:
