@@ -96,7 +96,7 @@ class Stated(dict[str, list[Statement]]):
         return next((self[meaning][0].value for meaning in meanings if meaning in self), None)
 
     def lengths_along(self, axis: str, count: int) -> list[tuple[Statement, int]]:
-        """Return the steps and sizes along an axis of `count` points, each once, and how many steps it has."""
+        """Return the steps and sizes along an axis of `count` points, each once, with its number of steps."""
         single, common, sizes = (self.get(key, []) for key in ("d" + axis, "step", "length_" + axis))
         if {length.line for length in single} & {length.line for length in common}:
             common = []  # "spacing ...; line spacing ..."
