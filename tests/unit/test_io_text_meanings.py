@@ -186,6 +186,10 @@ def test_a_limit_of_what_is_valid_is_asked_about_where_heights_lie_beyond(read, 
         '{\n  "dx_um": 0.5,\n  "dy_um": 0.25,\n  "z_unit": "nm"\n}',
         "shape=(8, 10) dx=0.5um dy=0.25um z=nm",
         "Scan range fast axis: 5 µm\nScan range slow axis: 2 µm\nTopography values in nanometers",
+        "lateral sampling 500 nm/px (x) and 250 nm/px (y)\nheight in nm",
+        "x-step/um 0.5\ny-step/um 0.25\nz/nm",
+        "Field of view (µm);5;2\nHeight unit;nm",
+        "Abtastung: 0,5 µm in x, 0,25 µm in y; Höhen in Nanometern",
         "Breite des Messfeldes: 5 µm\nHöhe des Messfeldes: 2 µm\nz/nm",
     ],
 )
@@ -195,3 +199,9 @@ def test_what_people_write_above_a_map(read, head):
 
 def test_words_beside_an_entry_that_may_concern_the_map_are_not_skipped(refused):
     refused(f"Binned, pixel 0.5 x 0.25 µm, heights in nm\n{ROWS}", "'Binned, .* is not used.; give dx, dy")
+
+
+@pytest.mark.parametrize("unit", ["a.u.", "%", "[counts]", "-"])
+def test_units_of_other_columns_in_a_line_of_units(read, unit):
+    table = np.column_stack([points(ONE, 0.5, 0.25), np.full(ONE.size, 7)])
+    is_right(read(f"X;Y;Z;Intensity\nµm;µm;nm;{unit}\n{cells(table, ';')}"), ONE)

@@ -22,6 +22,7 @@ _WIDE_TABLE = 8  # columns; so many with one heading are the columns of a map
 _ROLE = meanings("column") | dict.fromkeys(words("header")["height"], "z")
 _DOTTED = re.compile(r"(\w+)\.+(\w+)\.?")  # as R writes "x (um)"
 _ERROR = pattern("name", "error")  # of heights
+_NO_NAMES = {"", *words("unit")["other"]}  # cells of a line of units that are no length
 _BESIDE = "|".join(words("beside")["letter"])
 _BLANKS_IN_NAMES = [  # of a word before the letter of an axis, or behind it
     re.compile(rf"\b((?:{_BESIDE})\.?) ([xyz])\b", re.IGNORECASE),
@@ -65,8 +66,8 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
                 wrong = f"{line.strip()[:60]!r} and the units below it, {column.unit!r} and {unit!r}"
                 raise InputFileError(f"{wrong}, do not agree: correct one of them")
             columns[index] = column._replace(unit=column.unit or unit)
-        if not any(column.name for column in columns):  # a line of units, below the names
-            units = [column.unit for column in columns]
+        if all(is_length(cell) or cell.strip("[]()").lower() in _NO_NAMES for cell in cells):
+            units = [column.unit for column in columns]  # a line of units, below the names
         elif has_headings:
             corner, *named_columns = columns
             if not corner.name and not corner.unit and all(column.name for column in named_columns):

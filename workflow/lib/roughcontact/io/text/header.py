@@ -61,7 +61,7 @@ _MAX_UNIT = 20  # characters of a unit behind words
 _MAX_PHRASE = 200  # characters of an entry in words; the patterns take the square of their number
 NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _BETWEEN_SIDES = re.compile(
-    r"(?<=[\w)\].])\s?(?:\bx\b|x(?=\d)|\b(?:by|and|und|et|sur|par|per|por|en)\b|(?<=\D)[/|](?=\s?[\d.])|[/|](?=\s?\d*[.,]\d)|;(?=\s*\d)|,(?=\s+\d))\s*|"
+    r"(?<=[\w)\].])\s{0,3}(?:\bx\b|x(?=\d)|\b(?:by|and|und|et|sur|par|per|por|en)\b|(?<=\D)[/|](?=\s?[\d.])|[/|](?=\s?\d*[.,]\d)|;(?=\s*\d)|,(?=\s+\d))\s*|"
     r"(?<=[^\W\d])\s+(?=\d)"
 )
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
@@ -298,7 +298,8 @@ def _entries(text: str, *, alone: bool) -> Iterator[tuple[str, str]]:
     elif any(sign in text for sign in ";,"):  # a line of a table, as "Width";"640,5";"µm"
         separator = next(sign for sign in (";", '","', ",") if sign in text)
         key, *cells = (cell.strip().strip('"').strip() for cell in text.split(separator))
-        yield key, " ".join(cells[:2])
+        both_numbers = len(cells) > 1 and all(map(NUMBER.fullmatch, cells[:2]))
+        yield key, (";" if both_numbers else " ").join(cells[:2])
     else:  # "heights in nm"
         lengths = (stop for stop in range(max(1, len(text) - _MAX_UNIT), len(text)) if is_length(text[stop:]))
         for stop in islice(lengths, 1):
@@ -364,7 +365,7 @@ def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Stateme
     unit = remainder.replace("]", ")").partition(")")[0].removeprefix("->").strip() if opening else ""
     if unit.lower() in ("x", "y"):  # "Pixel size (x)": a side, no unit
         name, unit = f"{name} {unit}", ""
-    head, _, last = re.sub(r"[\s_]+(?:in[\s_]+)?(?=[^\s_]+$)", "\0", name.strip()).partition("\0")
+    head, _, last = re.sub(r"[\s_/]+(?:in[\s_]+)?(?=[^\s_/]+$)", "\0", name.strip()).partition("\0")
     if not opening and last != "in" and is_length(last) and _meaning(head):  # "width_um"
         name, unit = head, last
     meaning = _meaning(name)
