@@ -181,7 +181,7 @@ def test_a_limit_of_what_is_valid_is_asked_about_where_heights_lie_beyond(read, 
     "head",
     [
         "Wafer of Monday, pixel 0.5 x 0.25 µm, heights in nm",
-        "Measured by our lab; dx = 0.5 µm; dy = 0.25 µm; heights in nm, from left to right",
+        "Measured by our lab; dx = 0.5 µm; dy = 0.25 µm; heights in nm",
         '{"dx_um": 0.5, "dy_um": 0.25, "z_unit": "nm"}',
         '{\n  "dx_um": 0.5,\n  "dy_um": 0.25,\n  "z_unit": "nm"\n}',
         "shape=(8, 10) dx=0.5um dy=0.25um z=nm",

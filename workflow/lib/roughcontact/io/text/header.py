@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator
 from functools import cache
-from itertools import chain, combinations, islice
+from itertools import chain, combinations, dropwhile, islice
 from typing import Any, NamedTuple
 
 from roughcontact.io.units import is_length, metres, same_length
@@ -142,10 +142,11 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
             pieces = [re.sub(r"^(\d+)\s+([^\W\d]+)$", r"\2 \1", piece) for piece in _PIECES.split(axis[2])]
             pieces = [re.sub(r"^([^\d:=]*[^\W\d])", rf"\1 {axis[1]}", piece) for piece in pieces]
         alone = len(pieces) == 1
-        parsed = [(piece, [*_parsed(piece, sign, alone=alone)]) for piece in pieces]
-        found = [entries for piece, entries in parsed if entries or alone or not _is_prose(piece)]
-        # all pieces that may concern the map are entries, or the line is one
-        for meaning, statement in chain(*found) if all(found) else _parsed(text, sign):
+        parsed = ((piece, [*_parsed(piece, sign, alone=alone)]) for piece in pieces)
+        # but for a title
+        found = [entries for _, entries in dropwhile(lambda each: not each[1] and _is_prose(each[0]), parsed)]
+        # all pieces are entries, or the line is one
+        for meaning, statement in chain(*found) if found and all(found) else _parsed(text, sign):
             located = statement._replace(line=number, text=text[:_LONGEST])
             by_meaning.setdefault(meaning, []).append(located)
     return by_meaning
