@@ -482,13 +482,13 @@ def test_form_is_added_to_the_map():
 
 
 def test_map_smaller_than_the_contact_is_refused_with_a_size():
-    with pytest.raises(rc.HeightMapError, match=r"reaches the border .* a map of 0.00\d+ m x"):
+    with pytest.raises(rc.HeightMapError, match=r"reaches the border .* a map of 411 µm × 411 µm would do"):
         rc.evaluate(ground(1e-9, (40, 40)), contact=FREE | {"force": "200 N"}, form={"radius": "5 mm"})
 
     with pytest.raises(rc.HeightMapError, match=r"state form\.radius .* or set form\.edges: true"):
         rc.evaluate(ground(1e-7, (40, 40)), contact=FREE)
     # a form flatter than the roughness is curved
-    with pytest.raises(rc.HeightMapError, match=r"radius of curvature, 5 m, touches over 0\.00109 m"):
+    with pytest.raises(rc.HeightMapError, match=r"radius of curvature, 5\.00 m, touches over 1\.09 mm"):
         rc.evaluate(ground(1e-7, (40, 40)), contact=FREE, form={"radius": 5})
 
 

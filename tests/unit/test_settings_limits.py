@@ -407,6 +407,7 @@ def test_a_count_is_a_whole_number(key):
         ("composite.rotations", [], "the list is empty, give at least one number or leave the key out"),
         ("contact.bodies", [STEEL] * 3, "needs exactly two bodies (the two"),
         ("contact.bodies", 2, "must be a list (the two bodies"),
+        ("contact.bodies", ["steel"], "needs exactly two bodies (the two"),
         ("level", [], "must be a group of settings (indented lines `key: value`)"),
         ("level.fill", "HARMONIC", "unknown choice, did you mean harmonic? (how"),
         ("level.fill", "xyz", "unknown choice, valid are harmonic, none (how missing"),

@@ -465,6 +465,14 @@ class TestJobs:
             fill(browser, name, "")
         saved(browser)
 
+    def test_a_comparison_asks_for_two_groups(self, browser):
+        click(browser, "[name='page.job'][value=differ]")
+        browser.wait("document.querySelector('#fields h2').textContent === '3 Is A different from B?'")
+        assert "tick the files of A, set group to A, then those of B" in browser.text("#run .doubt")
+        click(browser, "[name='page.job'][value=seal]")
+        browser.wait("document.querySelector('#fields h2').textContent === '3 Does it seal?'")
+        assert not browser.evaluate("document.querySelector('#run .doubt')")
+
     def test_loads_of_another_question_are_set_aside_and_come_back(self, browser):
         click(browser, "[name='page.job'][value=ball]")
         browser.wait("document.querySelector('#fields h2').textContent === '3 Ball on flat'")
@@ -1226,6 +1234,9 @@ class TestPages:
             browser.press("Enter")
             rows_read(browser, 3)
             assert browser.text("#added").strip() == "3 added"
+            assert (
+                browser.text("#run .doubt") == "1 of 3 files cannot be read as they are: see what they need."
+            )
             # what the array does not say has a field for each
             for column, text in (("dx", "1 um"), ("dy", "1 um"), ("unit", "um")):
                 browser.tab_to(f".row [name$='.{column}']")

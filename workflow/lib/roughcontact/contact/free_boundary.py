@@ -14,6 +14,7 @@ import xarray as xr
 
 from roughcontact.arguments.finite_body import form_radii
 from roughcontact.arguments.maps import sides_around
+from roughcontact.arguments.quantities import quantity
 from roughcontact.contact.dataset import FieldsInUnits, limit_to_hardness
 from roughcontact.contact.elasticity.energy import elastic_energy
 from roughcontact.contact.elasticity.fade import FADE
@@ -245,14 +246,15 @@ class FreeBody:
             # a tenth wider than the contact, or than the map that was too small
             side = max(2.2 * contact_radius, 1.1 * min(sides))
             advice = (
-                f"a map of {side:.3g} m x {side:.3g} m would do (a ball of its mean radius of curvature, "
-                f"{radius:.3g} m, touches over {2 * contact_radius:.3g} m); or lower the force; where the "
-                f"body itself ends there, {remedy}; where roughness is small against its form, "
-                "form.local_scale with boundary: periodic"
+                f"a map of {' × '.join([quantity(side, 'm')] * 2)} would do (a ball of its mean radius of "
+                f"curvature, {quantity(radius, 'm')}, touches over {quantity(2 * contact_radius, 'm')}); or "
+                f"lower the force; where the body itself ends there, {remedy}; where roughness is small "
+                "against its form, form.local_scale with boundary: periodic"
             )
+        field = " × ".join(quantity(side, "m") for side in reversed(sides))
         raise HeightMapError(
-            f"under {force:g} N the contact reaches the border of the map, {sides[1]:.3g} m x "
-            f"{sides[0]:.3g} m, and what lies beyond is not known: {advice}"
+            f"under {quantity(force, 'N')} the contact reaches the border of the map, {field}, and what lies "
+            f"beyond is not known: {advice}"
         )
 
     @property

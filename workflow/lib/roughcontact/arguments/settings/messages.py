@@ -119,9 +119,16 @@ def reason(detail: ErrorDetails) -> str:
         return f": missing ({meaning})"
     if isinstance(detail["input"], Mapping):  # of two keys of a section
         return f": {_rule(detail)}"
-    value = repr(detail["input"])
+    value = repr(_brief(detail["input"]))
     value = value if len(value) <= MAX_VALUE else f"{value[:MAX_VALUE]} ..."
     return f" = {value}: {_rule(detail)}" + (f" ({meaning})" if meaning else "")
+
+
+def _brief(value: Any) -> Any:
+    """Return a value as a message repeats it: a body that is a name without the numbers of its material."""
+    if isinstance(value, list):
+        return [_brief(entry) for entry in value]
+    return value["name"] if isinstance(value, Mapping) and value.get("name") else value
 
 
 def _rule(detail: ErrorDetails) -> str:
