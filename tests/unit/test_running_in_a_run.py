@@ -82,6 +82,7 @@ def test_the_page_says_when_it_is_run_in(worn, tmp_path):
     assert low < float(worn["running_in_distance"]) < high
     low, middle, high = map(number, (low, float(worn["running_in_distance"]), high))
     assert text.startswith(f"Run in after about {middle} m ({low} to {high}): ")
+    assert "the rms height below 1.00 nm, before " in text  # 6 pm: finer than atoms
     assert part["link"] == "worn.nc"
     assert [*part["images"]][:2] == [
         "heights before wear",

@@ -112,6 +112,12 @@ def test_several_directions_are_each_as_alone(direction, angles):
     assert not np.allclose(*both[FRICTION].values, rtol=1e-3)
 
 
+def test_along_ridges_nothing_is_lost():
+    face, _ = wave()
+    assert (slide(face, [1e-3, 1.0], direction="90 deg")[FRICTION] == 0).all()
+    assert (slide(face, 1e-3, direction=[0, 180])[FRICTION] > 0).all()
+
+
 def test_frequencies_beyond_the_table_are_told():
     face, q = wave()
     frequency = np.geomspace(1, 1e4, 20)

@@ -60,6 +60,10 @@ class Relaxation:
         young: np.ndarray = self.long_time_modulus + (phase / (1 + phase)) @ self.moduli
         return young / (1 - self.poissons_ratio**2)
 
+    def compliance(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the complex 1/E* (1/Pa) at angular frequencies (1/s)."""
+        return np.reciprocal(self.contact_modulus(frequency))
+
     def creep_modulus(self, time: float) -> float:
         """Return the inverse (Pa) of the creep compliance after a time (s), with that of the table in it.
 
@@ -92,11 +96,6 @@ class Relaxation:
         """Return Young's modulus (Pa) at the lowest frequency that is known."""
         return float(self.contact_modulus(np.array(self.frequencies[0])).real * (1 - self.poissons_ratio**2))
 
-    def compliance(self, frequency: np.ndarray) -> np.ndarray:
-        """Return the complex 1/E* (1/Pa) at angular frequencies (1/s)."""
-        compliance: np.ndarray = 1 / self.contact_modulus(frequency)
-        return compliance
-
 
 def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> Relaxation:
     """Return the relaxation that a name, a table (path or DataFrame) or a mapping states.
@@ -110,15 +109,11 @@ def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> R
     ratio = check_poissons_ratio("poissons_ratio", poissons_ratio)
     properties = dict(relaxation) if isinstance(relaxation, Mapping) else {"table": relaxation}
     if "table" in properties and (beside := [key for key in _SERIES if properties.get(key) is not None]):
-        raise SettingsError(
-            f"relaxation: a table and {beside[0]} of a Prony series given; give one of them",
-            keys=["relaxation"],
-        )
+        raise _refusal(f": a table and {beside[0]} of a Prony series given; give one of them")
     if unknown := {*properties} - KEYS:
-        raise SettingsError(
-            f"relaxation.{min(unknown)}: unknown; give long_time_modulus, moduli and times of a Prony "
-            "series, or the table of a DMA; for another temperature wlf, reference_temperature, temperature",
-            keys=["relaxation"],
+        raise _refusal(
+            f".{min(unknown)}: unknown; give long_time_modulus, moduli and times of a Prony series, or the "
+            "table of a DMA; for another temperature wlf, reference_temperature, temperature"
         )
     named = compound(properties.get("table"))
     is_table = "table" in properties and not named
@@ -161,20 +156,15 @@ def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
     >>> read_relaxation(table).round(2).values.tolist()[0]
     [6.28, 3000000.0, 300000.0]
     """
-    name = "the table" if isinstance(table, pd.DataFrame) else str(table)
-
-    def refusal(text: str) -> SettingsError:
-        return SettingsError(f"relaxation = {name}{text}", keys=["relaxation"])
-
+    name = f" = {'the table' if isinstance(table, pd.DataFrame) else table}"
     if not isinstance(table, pd.DataFrame):
         try:
             table = _table_of_text(Path(table).read_text(encoding="utf-8-sig", errors="replace"))
         except (OSError, ValueError, IndexError) as error:
-            known = ", ".join(compound_names())
-            text = (
-                f": not read as a table: {str(error).strip()}; its headings stand in the first line, but for"
-            )
-            raise refusal(f"{text} lines that begin with #; by name there are {known}") from None
+            raise _refusal(
+                f"{name}: not read as a table: {str(error).strip()}; headings stand in the first line that "
+                f"does not begin with #; by name there are {', '.join(compound_names())}"
+            ) from None
     columns: dict[str, pd.Series] = {}
     for heading in table.columns:
         # what is measured, then its unit after one of these marks
@@ -182,36 +172,36 @@ def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
             r"\s*[\[(,/]\s*|\s+in\s+", str(heading).replace("_", " ").strip(), maxsplit=1
         )
         plain, unit = plain.replace("’", "'"), "".join(after).strip(" )]")
-        role = next((role for pattern, role in _HEADINGS.items() if re.fullmatch(pattern, plain)), None)
-        if role is None:
+        roles = [role for pattern, role in _HEADINGS.items() if re.fullmatch(pattern, plain)]
+        if not roles:
             continue
-        column, base, usual = role
+        ((column, base, usual),) = roles
         factor = unit_factor(usual.get(unit, unit), base) if base else 1.0
         if factor is None:
-            raise refusal(f", column {heading!r}: {unknown_unit(unit, base)}")
+            raise _refusal(f"{name}, column {heading!r}: {unknown_unit(unit, base)}")
         values = pd.to_numeric(table[heading], errors="coerce")
         if (wrong := table[heading][values.isna() & table[heading].notna()]).size:
-            raise refusal(f", column {heading!r}: {wrong.iloc[0]!r} is not a number")
+            raise _refusal(f"{name}, column {heading!r}: {wrong.iloc[0]!r} is not a number")
         if base == "Pa" and not unit and values.min() < _SOFTEST:
-            raise refusal(
-                f", column {heading!r}: has no unit, and {values.min():g} Pa is softer than any rubber: "
-                f"state it in the heading, {plain} (MPa)"
+            raise _refusal(
+                f"{name}, column {heading!r}: has no unit, and {values.min():g} Pa is softer than any "
+                f"rubber: state it in the heading, {plain} (MPa)"
             )
         columns[column] = values * factor
     if missing := [key for key in ("frequency", "storage_modulus", "loss_modulus") if key not in columns]:
-        raise refusal(
-            f": no column {missing[0]!r} among {[*map(str, table.columns)]}; name the columns in the first "
-            "line frequency (Hz), storage_modulus (Pa), loss_modulus (Pa), or f, E', E'', with units"
+        raise _refusal(
+            f"{name}: no column {missing[0]!r} among {[*map(str, table.columns)]}; name the columns in the "
+            "first line frequency (Hz), storage_modulus (Pa), loss_modulus (Pa), or f, E', E'', with units"
         )
     numbers = pd.DataFrame(columns).dropna().sort_values("frequency", ignore_index=True)
     if "temperature" in numbers and np.ptp(temperatures := numbers.pop("temperature")) > _STEADY:
-        raise refusal(
-            f": its temperatures are {temperatures.min():g} to {temperatures.max():g}; give the rows of one, "
-            "or of a master curve, whose frequencies are shifted to one, leave this column out"
+        raise _refusal(
+            f"{name}: its temperatures are {temperatures.min():g} to {temperatures.max():g}; give the rows "
+            "of one, or of a master curve, whose frequencies are shifted to one, leave this column out"
         )
     if len(numbers) < 3 or not (numbers > 0).all(axis=None):
-        raise refusal(
-            f": {len(numbers)} rows of numbers; give three or more, with frequencies and moduli above 0"
+        raise _refusal(
+            f"{name}: {len(numbers)} rows of numbers; give three or more, with frequencies and moduli above 0"
         )
     return numbers[["frequency", "storage_modulus", "loss_modulus"]]
 
@@ -253,15 +243,12 @@ def _series(properties: Mapping[str, Any], ratio: float) -> Relaxation:
     for key, unit in _SERIES.items():
         name = f"relaxation.{key}"
         if properties.get(key) is None:
-            raise SettingsError(f"{name}: missing from the Prony series", keys=["relaxation"])
+            raise _refusal(f".{key}: missing from the Prony series")
         values = (convert_quantity(unit, name, number) for number in np.ravel(properties[key]))
         numbers.append(np.array([check_positive(name, value, unit=unit) for value in values]))
     plateau, moduli, times = numbers
     if moduli.size != times.size:
-        raise SettingsError(
-            f"relaxation: {moduli.size} moduli and {times.size} times; give a time for each modulus",
-            keys=["relaxation"],
-        )
+        raise _refusal(f": {moduli.size} moduli and {times.size} times; give a time for each modulus")
     low, high = properties.get("frequencies", (0.0, np.inf))
     return Relaxation(float(plateau[0]), moduli, times, ratio, properties.get("misfit", 0.0), (low, high))
 
@@ -276,29 +263,31 @@ def _shift(properties: Mapping[str, Any]) -> float:
     if not given_keys:
         return 1.0
     if len(given_keys) < len(keys) or np.shape(properties["wlf"]) != (2,):
-        raise SettingsError(
-            "relaxation: another temperature needs wlf = [C1, C2 (K)], reference_temperature and "
-            f"temperature, {_SCALES}; given: {', '.join(given_keys)}",
-            keys=["relaxation"],
+        raise _refusal(
+            ": another temperature needs wlf = [C1, C2 (K)], reference_temperature and "
+            f"temperature, {_SCALES}; given: {', '.join(given_keys)}"
         )
     try:
         c1, c2 = map(float, properties["wlf"])
         difference = celsius(properties["temperature"]) - celsius(properties["reference_temperature"])
     except (TypeError, ValueError) as error:
         text = ", ".join(f"{key} = {properties[key]!r}" for key in keys)
-        raise SettingsError(f"relaxation: {text}: {error}", keys=["relaxation"]) from None
+        raise _refusal(f": {text}: {error}") from None
     # a scale that is not that of the reference is 273 off
     if difference > _MAX_WARMING:
-        raise SettingsError(
-            f"relaxation.temperature is {difference:g} K above its reference, and the law of Williams, "
-            f"Landel and Ferry holds over about 100 K; give {_SCALES}, or each with its own (20 °C, 293 K); "
-            "without a scale it is that of the reference, °C of a rubber by its name",
-            keys=["relaxation"],
+        raise _refusal(
+            f".temperature is {difference:g} K above its reference, and the law of Williams, Landel and "
+            f"Ferry holds over about 100 K; give {_SCALES}, or each with its own (20 °C, 293 K); without a "
+            "scale it is that of the reference, °C of a rubber by its name"
         )
     if c2 + difference <= 0:
-        raise SettingsError(
-            f"relaxation.temperature is {-difference:g} K below its reference, where the law of Williams, "
-            f"Landel and Ferry ends, at {c2:g} K",
-            keys=["relaxation"],
+        raise _refusal(
+            f".temperature is {-difference:g} K below its reference, where the law of Williams, Landel and "
+            f"Ferry ends, at {c2:g} K"
         )
     return float(10 ** (-c1 * difference / (c2 + difference)))
+
+
+def _refusal(text: str) -> SettingsError:
+    """Return the error of a relaxation, whose message goes on with this text."""
+    return SettingsError(f"relaxation{text}", keys=["relaxation"])

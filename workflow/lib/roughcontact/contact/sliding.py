@@ -33,7 +33,6 @@ from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import Solution
 from roughcontact.contact.problem import Problem, nondimensionalise
 from roughcontact.contact.solve import periodic_solutions
-from roughcontact.contact.state import State
 from roughcontact.kernels.arrays import DOUBLE
 from roughcontact.kernels.fourier import halfplane_weights, wavenumbers, wavevectors
 from roughcontact.kernels.waves import wave_power
@@ -71,22 +70,20 @@ def sliding_contact(
     similar contact. The caller compares `error_bound` with the tolerance: it ends after `MAX_CONTACTS`.
     """
     problem = nondimensionalise(window, threads=threads)
-    heights, length = window.values, problem.unit_length
+    heights, sides = window.values, problem.lengths_in_metres
 
     @cache
-    def symbols(shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-        sides = problem.lengths_in_metres
-        return _symbols(shape, (sides[0] / shape[0], sides[1] / shape[1]), compliance, velocity)
+    def symbols(ny: int, nx: int) -> tuple[np.ndarray, np.ndarray]:
+        return _symbols((ny, nx), (sides[0] / ny, sides[1] / nx), compliance, velocity)
 
-    symbol, loss = symbols(heights.shape)
+    symbol, loss = symbols(*heights.shape)
     # any unit would do: that of a typical wave keeps the numbers near 1
     modulus = float(2 / np.median((wavenumbers(heights.shape, problem.spacing) * abs(symbol)).ravel()[1:]))
 
     def elastic(part: Callable[[np.ndarray], np.ndarray]) -> Elasticity:
         def influence(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
-            sides = problem.lengths
-            shape = round(sides[0] / spacing[0]), round(sides[1] / spacing[1])
-            values = (modulus / length * part(symbols(shape)[0])).astype(qx.dtype)
+            shape = (round(side / step) for side, step in zip(problem.lengths, spacing, strict=True))
+            values = (modulus / problem.unit_length * part(symbols(*shape)[0])).astype(qx.dtype)
             values[0, 0] = np.inf  # the mean, which no operator uses
             return values
 
@@ -95,8 +92,12 @@ def sliding_contact(
     def applied(factor: np.ndarray, field: np.ndarray) -> np.ndarray:
         return np.fft.irfft2(factor * np.fft.rfft2(field), s=field.shape)
 
+    def posed(heights: np.ndarray) -> tuple[Problem, float]:
+        dimensionless = nondimensionalise(window.copy(data=heights), threads=threads)
+        return dimensionless, unit_of_pressure(dimensionless, modulus)
+
     size, storage = np.abs(symbol), symbol.real
-    stiff = elastic(np.real)
+    typical, stiff = elastic(np.abs), elastic(np.real)
     reflection = np.divide(size - symbol, size + symbol, out=np.zeros_like(symbol), where=size > 0)
     pressure = np.full(heights.shape, load) if start is None else start
     level = heights + applied(size - symbol, pressure)
@@ -104,17 +105,27 @@ def sliding_contact(
     while bound > tolerance and contacts < MAX_CONTACTS:
         if contacts > 0:
             level = heights + applied(reflection, 2 * applied(size, pressure) - level + heights)
-        posed = nondimensionalise(window.copy(data=level), threads=threads)
-        guess = None if start is None else start / unit_of_pressure(posed, modulus)
+        elastic_problem, unit = posed(level)
         aim = max(INNER * min(bound, 1.0), INNER * tolerance) if contacts > 0 else FIRST
         solutions = periodic_solutions(
-            posed, [load], elastic(np.abs), tolerance=aim, start=guess, threads=threads
+            elastic_problem,
+            [load],
+            typical,
+            tolerance=aim,
+            start=None if start is None else start / unit,
+            threads=threads,
         )
         start = pressure = np.array(next(solutions)[0].pressure)
-        certified = nondimensionalise(
-            window.copy(data=heights + applied(storage - symbol, pressure)), threads=threads
+        certified, unit = posed(heights + applied(storage - symbol, pressure))
+        grid = Grid(
+            certified.heights,
+            certified.lengths,
+            stiff.scaled(certified.unit_length, unit),
+            reference=certified.reference,
+            unit=certified.scale,
+            threads=threads,
         )
-        grid, state = _stiff_grid(certified, stiff, pressure, threads=threads)
+        state = grid.evaluate(pressure / unit)[0]
         bound = error_bound(grid, state, grid.residual(state, precision=DOUBLE))
         contacts += 1
     power = halfplane_weights(heights.shape) * wave_power(pressure)
@@ -131,22 +142,6 @@ def sliding_contact(
         (linear + error**2 * float(dissipated.max())) / load,
         friction_of_waves,
     )
-
-
-def _stiff_grid(
-    problem: Problem, material: Elasticity, pressure: np.ndarray, *, threads: int
-) -> tuple[Grid, State]:
-    """Return the grid of a problem of the symbol S, and the state of a pressure (Pa) on it."""
-    unit = unit_of_pressure(problem, material.modulus)
-    grid = Grid(
-        problem.heights,
-        problem.lengths,
-        material.scaled(problem.unit_length, unit),
-        reference=problem.reference,
-        unit=problem.scale,
-        threads=threads,
-    )
-    return grid, grid.evaluate(pressure / unit)[0]
 
 
 def _symbols(

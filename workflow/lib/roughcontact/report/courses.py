@@ -195,7 +195,7 @@ def _wear(_: xr.Dataset, over: xr.Dataset) -> Part:
     charts["height parameters over the distance"] = chart
     settled = [over[f"running_in_distance{suffix}"].item() for suffix in ENDS]
     areas, rms_heights = ([face[name].item() for face in (before, after)] for name in (AREA, "Sq"))
-    return charts, [sentence("runs_in", last, settled, areas, rms_heights)]
+    return charts, [sentence("runs_in", last, settled, areas, rms_heights, CLOSED)]
 
 
 def _course_chart(course: xr.Dataset, result: str, abscissa: np.ndarray, x_axis: Axis) -> Chart:

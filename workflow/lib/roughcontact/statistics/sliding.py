@@ -137,6 +137,9 @@ def sliding_friction(
         """Return the numbers of a contact by name, with its maps where they are asked for."""
         row = _numbers(contact, window, rubber, velocity, load)
         pressure, gap = contact.fields.pressure, contact.fields.gap
+        maps = xr.Dataset(
+            {"pressure": (("y", "x"), pressure.copy()), "gap": (("y", "x"), gap)}, window.coords
+        )
         if seal is not None:
             closed = np.where(pressure > 0, 0.0, gap)
             flow = flow_columns(closed, spacing(window)) | percolation_columns(closed)
@@ -144,22 +147,18 @@ def sliding_friction(
         if strength is not None:
             row[_BY_AREA] = strength * row[AREA] / load
         if thermal_conductivity is not None:
-            maps = {"pressure": pressure[None], "gap": gap[None]}
-            solved = xr.Dataset({key: (("load", "y", "x"), field) for key, field in maps.items()})
             warm = flash_temperature(
-                solved.assign(height=window),
+                maps.expand_dims("load").assign(height=window),
                 friction_coefficient=contact.friction + row.get(_BY_AREA, 0.0),
                 speed=speed,
                 thermal_conductivity=thermal_conductivity,
             )
             row["max_flash_temperature"] = warm["max_flash_temperature"].item()
-        if fields:
-            row |= {"pressure": (("y", "x"), pressure.copy()), "gap": (("y", "x"), gap)}
-        return xr.Dataset(row, coords=window.coords if fields else None)
+        return maps.assign(row) if fields else xr.Dataset(row)
 
     courses = []
     for way in ways:
-        path, start, rows = np.exp(1j * math.radians(way)), None, []
+        path, start, rows = np.exp(1j * math.radians(way)).round(15), None, []  # along an axis exactly
         for each in speeds:
             velocity = each * path.real, each * path.imag
             contact = sliding_contact(
