@@ -102,6 +102,8 @@ def test_a_factor_above_counts_is_asked_about(read, refused, line):
         *("Réplica: sí", "Mould: Provil novo", "Empreinte silicone", "Calco del pezzo", "z -> -z"),
         *("Afdruk: ja", "レプリカ: はい", "Реплика: да", "Eindringtiefe", "x and y swapped", "dz/dx"),
         *("Signal in mV", "Wavefront error", "Z magnification: 100"),
+        *("Z axis reversed", "Data are -height", "Gap to the reference", "heights doubled for clarity"),
+        *("Distance of the sensor to the surface", "stored from right to left", "x axis points left"),
         *("Gespiegelt in z", "Vorzeichen umgekehrt", "Heights times -1", "profundidad bajo la referencia"),
     ],
 )
@@ -113,6 +115,7 @@ def test_what_turns_the_heights_is_said(read, line):
 @pytest.mark.parametrize(
     "line",
     [
+        *("Cropped to 10 x 8 points", "zugeschnitten", "recadrée"),
         *("Binned 2 x 2", "Every 2nd point exported", "Jeder 2. Punkt", "Un point sur 2", "Un punto su 2"),
         *("XY magnification 10x", "shrinkage factor 1.02"),
         *("Datenreduktion: 2", "Tiles: 3 x 2", "Messpunkte je Spur: 40"),
