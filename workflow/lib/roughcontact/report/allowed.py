@@ -9,6 +9,7 @@ from roughcontact.report.units import number_text, unit_of
 from roughcontact.statistics.kinds import load_in_words
 
 HOLDS, FAILS, NOT_DECIDED = "holds", "does not hold", "not decided"
+HOLDING = {1.0: HOLDS, 0.0: FAILS}  # the word of `{name}_holds`; of NaN it is not decided
 
 
 def stated_allowed(numbers: Numbers, answer: str = "") -> list[str]:
@@ -31,7 +32,8 @@ def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = F
     total, limit = _total_in_words(numbers, name, index), limit_in_words(numbers, name)
     if total and not brief:  # it is of this load, and the rest of all
         limit = f"at {load_in_words(float(numbers['mean_pressure'][index]), numbers)[1]}, {limit}"
-    word, link = {1.0: (HOLDS, ""), 0.0: (FAILS, "would hold ")}.get(holds, (NOT_DECIDED, "would be "))
+    word = HOLDING.get(holds, NOT_DECIDED)
+    link = {HOLDS: "", FAILS: "would hold ", NOT_DECIDED: "would be "}[word]
     sentence = f"{' '.join(filter(None, [allowed.words, total]))} {limit}: {word}"
     if brief:
         return sentence

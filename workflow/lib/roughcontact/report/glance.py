@@ -353,9 +353,9 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     undecided = [axis for axis in judged if np.isnan(decisions[axis])]
     precision = "" if len(judged) < 2 else _NOT_DECIDED if undecided else _DECIDED
     axes_shown = [axis for axis in "xy" if axis in is_open + undecided]
-    # a way through that leaks so little counts as closed
-    tight = f"leaks at most {units['leak_rate_x'].text(TIGHT)}" if passed else "gap closed along x and y"
-    details = [] if is_open else [tight]
+    details = [] if is_open or passed else ["gap closed along x and y"]
+    if not is_open and passed and not undecided:
+        details.append(f"leaks less than {units['leak_rate_x'].text(TIGHT)}, which counts as nothing")
     for sentence, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
         if axes_shown and has_number(numbers, f"{name}_x"):
             result = {axis: _unbroken(numbers, f"{name}_{axis}", units, index) for axis in axes_shown}

@@ -9,10 +9,25 @@ import xarray as xr
 from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, AREA, COMPARED, ENDS, PEAK, TITLES
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import Unit, percent, quantity, with_interval
-from roughcontact.report.allowed import limit_in_words, stated_allowed
-from roughcontact.report.glance import Cell, glance_units, interval_cell, shown_loads
+from roughcontact.arguments.variables import has_number
+from roughcontact.report.allowed import (
+    FAILS,
+    HOLDING,
+    HOLDS,
+    NOT_DECIDED,
+    limit_in_words,
+    stated_allowed,
+)
+from roughcontact.report.glance import (
+    COLUMN_NAMES,
+    Cell,
+    asked_columns,
+    glance_units,
+    interval_cell,
+    shown_loads,
+)
 from roughcontact.report.load_plots import group_areas
-from roughcontact.report.units import hardness_reached, unit_of
+from roughcontact.report.units import hardness_reached, stated_loads, unit_of
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 from roughcontact.uncertainty.groups import is_range
@@ -198,30 +213,75 @@ def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[tuple[str, str |
         (load, area, *_) = group_cells(group.answer, glance_units([group.answer])[0], -1)
         known = ", ".join(filter(None, (area.details, area.known)))
         words = [f"contact area {area.text}{f' ({known})' if known else ''}"]
-        words = [
-            *holding_in_words([maps[str(name), group.case] for name in group.answer["map"].values]),
-            *words,
-        ]
+        of_maps = {str(name): maps[str(name), group.case] for name in group.answer["map"].values}
+        words = [*holding_in_words(of_maps), *words]
         sentences.append(f"{group.label} at {load.text}: {', '.join(words)}")
     return f"{'; '.join(sentences)}." if sentences else ""
 
 
-def holding_in_words(results: Sequence[xr.Dataset]) -> list[str]:
-    """Return for how many surfaces what all of them are allowed holds at their last load.
+def holding_in_words(results: Mapping[str, xr.Dataset]) -> list[str]:
+    """Return for which surfaces, by name, what all of them are allowed holds at their last load.
 
     Examples
     --------
     >>> seal = xr.Dataset({"allowed_leak": 1e-9, "leak_holds": ("load", [np.nan, 1.0])})
-    >>> holding_in_words([seal, seal.assign(leak_holds=("load", [0.0, 0.0]))])
-    ['leak of at most 3.60 ml/h holds for 1 of 2']
+    >>> holding_in_words({"ground": seal, "turned": seal.assign(leak_holds=("load", [0.0, 0.0]))})
+    ['leak of at most 3.60 ml/h: holds for ground, does not hold for turned']
+    >>> holding_in_words({"ground": seal, "turned": seal})
+    ['leak of at most 3.60 ml/h: holds for all 2']
     """
-    names = [name for name in stated_allowed(results[0]) if all(f"{name}_holds" in data for data in results)]
-    holding = {name: sum(float(data[f"{name}_holds"][-1]) == 1 for data in results) for name in names}
-    return [
-        f"{ALLOWED_VALUES[name].words} {limit_in_words(results[0], name)} holds for {count} of {len(results)}"
-        for name, count in holding.items()
-        if len({float(data[f"allowed_{name}"]) for data in results}) == 1
+    first, *_ = results.values()
+    sentences = []
+    for name in stated_allowed(first):
+        if any(f"{name}_holds" not in data for data in results.values()):
+            continue
+        if len({float(data[f"allowed_{name}"]) for data in results.values()}) > 1:
+            continue
+        surfaces: dict[str, list[str]] = {HOLDS: [], FAILS: [], NOT_DECIDED: []}
+        for surface, data in results.items():
+            surfaces[HOLDING.get(float(data[f"{name}_holds"][-1]), NOT_DECIDED)].append(surface)
+        words = [f"{word} for {_counted(names, len(results))}" for word, names in surfaces.items() if names]
+        limit = limit_in_words(first, name)
+        sentences.append(f"{ALLOWED_VALUES[name].words} {limit}: {', '.join(words)}")
+    return sentences
+
+
+def _counted(names: Sequence[str], total: int) -> str:
+    """Return the names of some of all surfaces, or how many they are."""
+    if len(names) == total:
+        return f"all {total}"
+    return " and ".join(names) if len(names) < _IN_LINE else f"{len(names)} of {total}"
+
+
+def surfaces_in_words(results: Mapping[str, xr.Dataset]) -> str:
+    """Return of several surfaces, by name, what is allowed of all, else the least and the largest result.
+
+    It is that at their last load, of the first number that they are asked for; empty without one.
+
+    Examples
+    --------
+    >>> areas = {"a": 0.3, "b": 0.1, "c": 0.2}
+    >>> loads = {"mean_pressure": ("load", [1e6]), "contact_modulus": 1e9}
+    >>> results = {name: xr.Dataset(loads | {AREA: ("load", [area])}) for name, area in areas.items()}
+    >>> surfaces_in_words(results)
+    'At 1.00 MPa: contact area from 10.0 % (b) to 30.0 % (a).'
+    """
+    loads = {stated_loads(data).texts[-1] for data in results.values()}
+    head = f"At {loads.pop()}" if len(loads) == 1 else "At the heaviest load of each"
+    if sentences := holding_in_words(results):
+        return f"{head} {'; '.join(sentences)}."
+    asked = [COLUMN_NAMES[column - 1] for column in asked_columns([*results.values()])[1:]]
+    name = next((name for name in asked if all(has_number(data, name) for data in results.values())), "")
+    if not name:
+        return ""
+    units = glance_units([*results.values()])
+    values = [float(data[name][-1]) for data in results.values()]
+    of_all = list(zip(results.items(), units, strict=True))
+    least, most = (of_all[int(place)] for place in (np.nanargmin(values), np.nanargmax(values)))
+    texts = [
+        f"{interval_cell(data, name, unit, -1).text} ({surface})" for (surface, data), unit in (least, most)
     ]
+    return f"{head}: {TITLES[name]} from {texts[0]} to {texts[1]}."
 
 
 def _comparison(part: xr.Dataset, name: str, is_limited_at: Sequence[bool]) -> Row:

@@ -25,7 +25,7 @@ from roughcontact.report.groups import (
     group_picture,
     group_rows,
     groups_in_words,
-    holding_in_words,
+    surfaces_in_words,
 )
 from roughcontact.report.load_plots import compare_areas, line_sample, spread_of_areas
 from roughcontact.report.summary import read_summary
@@ -131,8 +131,7 @@ def write_report(
     asked = {labels: table for labels, table in (compared or {}).items() if not placements & {*labels}}
     several = differences_in_words(asked) or groups_in_words(groups, series)
     if results and not (several or groups):
-        sentences = holding_in_words(results)
-        several = f"At the heaviest load {'; '.join(sentences)}." if sentences else ""
+        several = surfaces_in_words({_name(*key): data for key, data in series.items()})
     head["answer"] = rows[0]["answer"] if len(rows) == 1 else several
     head |= {"in_words": glance.IN_WORDS, "asked_of_run": describe_problem(settings, changed)}
     equal = same_loads(settings)

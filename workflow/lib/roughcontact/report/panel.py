@@ -38,7 +38,7 @@ _TITLES = {  # of the maps by the number of measured faces
     1: ("As measured", "Levelled"),
     2: ("Face, as measured", "Counter-face, as measured", "Sum of both, levelled"),
 }
-_LINE = 150  # letters of a reason; a line of a wide page has some 170
+_LINE = 180  # letters of a reason; a line of a wide page has some 185
 
 
 def write_panel(

@@ -68,7 +68,9 @@ def planning_line(statistics: xr.Dataset) -> str:
     known = _known(statistics)
     widths = {**known.widths}
     of_window = widths.pop("window", math.inf)
-    if not math.isfinite(of_window) or known.half_width <= _PLANNED:
+    # of a number known worse than to itself nobody plans a tenth
+    unplanned = known.half_width <= _PLANNED or (known.name in CONSTRICTIONS and not known.half_width < 1)
+    if not math.isfinite(of_window) or unplanned:
         return ""
     shared_error = math.hypot(*widths.values())
     of_windows = _half_widths_of_places(of_window, known)
