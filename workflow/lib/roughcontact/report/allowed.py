@@ -1,6 +1,7 @@
 """Whether what is allowed holds, in words, with the load from which on it does."""
 
 import numpy as np
+import xarray as xr
 
 from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS, TOTALS
 from roughcontact.arguments.quantities import quantity
@@ -37,7 +38,8 @@ def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = F
     sentence = f"{' '.join(filter(None, [allowed.words, total]))} {limit}: {word}"
     if brief:
         return sentence
-    return f"{sentence}, {link}{_load_in_words(numbers, name)}{_roughness_in_words(numbers, name, index)}"
+    loads = f"{_load_in_words(numbers, name)}{_fluid_in_words(numbers, name)}"
+    return f"{sentence}, {link}{loads}{_roughness_in_words(numbers, name, index)}"
 
 
 def limit_in_words(numbers: Numbers, name: str) -> str:
@@ -64,6 +66,20 @@ def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
         return ""
     unit = unit_of(numbers, ALLOWED_VALUES[name].unit)
     return f"{number_text(numbers, totals[max(totals)], unit, index)} {unit.symbol}"
+
+
+def _fluid_in_words(numbers: Numbers, name: str) -> str:
+    """Return below which load a fluid lifts the bodies, where some loads are lower; empty where none is.
+
+    Examples
+    --------
+    >>> seal = xr.Dataset({"mean_pressure": ("load", [2e5]), "contact_modulus": 7e6})
+    >>> [_fluid_in_words(seal.assign_attrs(seal_pressure_difference=fluid), "leak") for fluid in (1e5, 5e5)]
+    ['', ', of loads above the 500 kPa of the fluid']
+    """
+    fluid = numbers.attrs.get("seal_pressure_difference", 0.0) if isinstance(numbers, xr.Dataset) else 0.0
+    lifts = ALLOWED_VALUES[name].answer == "sealing" and np.min(numbers["mean_pressure"]) < fluid
+    return f", of loads above the {load_in_words(fluid, numbers)[1]} of the fluid" if lifts else ""
 
 
 def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:
