@@ -20,12 +20,15 @@ from roughcontact.report.allowed import (
 )
 from roughcontact.report.glance import (
     COLUMN_NAMES,
+    IN_WORDS,
     Cell,
     asked_columns,
+    glance_rows,
     glance_units,
     interval_cell,
     shown_loads,
 )
+from roughcontact.report.glance import HEADINGS as HEADINGS_OF_COLUMNS
 from roughcontact.report.load_plots import group_areas
 from roughcontact.report.units import hardness_reached, stated_loads, unit_of
 from roughcontact.statistics.outcome import VERDICTS
@@ -270,7 +273,14 @@ def surfaces_in_words(results: Mapping[str, xr.Dataset]) -> str:
     head = f"At {loads.pop()}" if len(loads) == 1 else "At the heaviest load of each"
     if sentences := holding_in_words(results):
         return f"{head} {'; '.join(sentences)}."
-    asked = [COLUMN_NAMES[column - 1] for column in asked_columns([*results.values()])[1:]]
+    columns = asked_columns([*results.values()])[1:]
+    if HEADINGS_OF_COLUMNS[columns[0]] in IN_WORDS:  # a yes or no: which surfaces it is of
+        surfaces: dict[str, list[str]] = {}
+        for surface, data in results.items():
+            surfaces.setdefault(glance_rows(data, indices=[-1])[0][columns[0]].text, []).append(surface)
+        words = [f"{word} for {_counted(names, len(results))}" for word, names in surfaces.items()]
+        return f"{head}: {', '.join(words)}."
+    asked = [COLUMN_NAMES[column - 1] for column in columns]
     name = next((name for name in asked if all(has_number(data, name) for data in results.values())), "")
     if not name:
         return ""
