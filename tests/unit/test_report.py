@@ -240,7 +240,7 @@ def test_the_overview_has_the_weightiest_reason_and_counts_the_others(page):
         count_match = re.search(r">(\d+) more reasons?</a>", row)
         assert (int(count_match[1]) if count_match else 0) == max(len(reasons) - 1, 0)
         assert summary["main_reason"] in row if reasons else 'class="why"' not in row
-        assert len(summary["main_reason"]) <= 150
+        assert len(summary["main_reason"]) <= 180
 
 
 def test_the_head_says_what_was_asked_when_it_was_measured_and_by_which_version(page):
