@@ -35,10 +35,10 @@ def statistics():
         (1 / 3, 2.9, "to a factor 3.0"),
         (0.33, 1.0, "order of magnitude"),
         (0.1, 10.0, "order of magnitude"),
-        (0.099, 2.0, "not by this map: at most 2.00 "),
-        (0.0, 0.33, "not by this map: at most 0.330 "),
-        (0.0, 248796.3, "not by this map: at most 249000 "),
-        (0.5, np.nan, "not by this map: at least 0.500 "),
+        (0.099, 2.0, "not by this map: at most 2.00"),
+        (0.0, 0.33, "not by this map: at most 0.330"),
+        (0.0, 248796.3, "not by this map: at most 249000"),
+        (0.5, np.nan, "not by this map: at least 0.500"),
         (0.0, np.nan, "not by this map"),
         (np.nan, np.nan, ""),
         (1.0, 1.0, "to ± 10 %"),
@@ -74,7 +74,7 @@ def test_a_gap_that_is_closed_everywhere_is_known():
     precision = add_precision(xr.Dataset({name: ("load", values) for name, values in gaps.items()}))
     np.testing.assert_equal(precision["mean_gap_known"].values, [0.0, np.nan])
     assert precision_in_words(0.0, 0.0, 0.0, PLAIN) == "to ± 10 %"
-    assert precision_in_words(0.0, 0.0, 1e-9, PLAIN) == "not by this map: at most 1.00×10⁻⁹ "
+    assert precision_in_words(0.0, 0.0, 1e-9, PLAIN) == "not by this map: at most 1.00×10⁻⁹"
 
 
 def test_all_of_the_area_is_no_bound():
