@@ -1094,12 +1094,16 @@ class TestPages:
         browser.wait("document.querySelector('#problem').textContent.startsWith('No answer: start')")
         assert browser.problems == []
 
-    def test_a_page_that_comes_back_from_the_history_is_loaded_again(self, tmp_path, browser):
-        (tmp_path / "study/results").mkdir(parents=True)
-        (tmp_path / "study/results/report.html").write_text("<html><head></head><body>old</body></html>")
+    def test_a_report_of_a_terminal_is_shown_and_the_page_is_loaded_again_by_going_back(
+        self, tmp_path, browser
+    ):
         with served(tmp_path / "study") as address:
             browser.open(address)
-            browser.wait("document.querySelector('#show') && document.querySelector('#preview pre')")
+            browser.wait("document.querySelector('#preview pre')")
+            assert not browser.evaluate("document.querySelector('#show')")
+            (tmp_path / "study/results").mkdir(parents=True)  # by a run in a terminal
+            (tmp_path / "study/results/report.html").write_text("<html><head></head><body>old</body></html>")
+            browser.wait("document.querySelector('#show')")
             click(browser, "#show")
             report_open(browser)
             browser.evaluate("history.back()")

@@ -122,8 +122,9 @@ class Page:
         return self._filled(_PAGE, rows=rows, screen=self.run.state(), **variables)
 
     def _news(self) -> tuple[object, ...]:
-        """Return what changes without a button: how many files are read, and the screen of the run."""
-        return self.reader.count(), self.run.state()
+        """Return what changes without a button: files that are read, the screen of the run, its report."""
+        reports = [path.stat().st_mtime_ns for path in commands.RESULTS.glob("report.html")]
+        return self.reader.count(), self.run.state(), reports
 
     def _filled(self, template: Template, **variables: Any) -> str:
         """Return a template with what all of them may need."""
