@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import os
+import re
 import secrets
 import shlex
 from collections.abc import AsyncIterable, Sequence
@@ -39,6 +40,8 @@ UNREAD: dict[str, Any] = {
     "text": "is read ...",
     "map": None,
 }
+# where a terminal states what is missing; the page has a field for it beside the sentence
+_PLACE = re.compile(r" \(table of surfaces or arguments?\)| in the table of surfaces or as (an )?arguments?")
 _THUMBNAIL = 64  # points along a side, at most
 _CUT = 320  # points along a line
 
@@ -93,6 +96,7 @@ def inspect(row: Row) -> dict[str, Any]:
     except Exception as error:  # a reader may raise anything
         result["text"] = result["line"] = error_in_words(error)
         needed = getattr(error, "keys", ())
+    result["line"] = _PLACE.sub("", result["line"])
     return result | {"columns": [column for column in OPTIONS if column in needed]}
 
 
