@@ -35,7 +35,6 @@ from roughcontact.uncertainty.groups import from_scale, to_scale
 from roughcontact.uncertainty.random_effects import (
     SIGNIFICANCE,
     adjust_over_loads,
-    correlation_at_least,
     p_value,
     random_effects,
     welch,
@@ -226,13 +225,7 @@ def differences(solved: dict[str, dict]) -> pd.DataFrame:
                 parts = [str(k) for k in range(count)]
                 effects = (random_effects(group.reshape(count, -1), parts) for group in groups)
                 p_values.append(p_value(*welch(*effects)).reshape(PAIRS, len(LOADS)))
-                for pair, values in enumerate(p_values[-1]):
-                    deviations = np.concatenate(
-                        [random_effects(group[:, pair], parts).deviations for group in groups]
-                    )
-                    together.append(
-                        adjust_over_loads(values, correlation_at_least(deviations, len(deviations) - 2))
-                    )
+                together += [adjust_over_loads(values) for values in p_values[-1]]
             adjusted, together = np.concatenate(p_values), np.array(together)
             shares = (
                 100 * np.mean(adjusted[:, 0] < SIGNIFICANCE),

@@ -133,16 +133,12 @@ QUICK = ("random", "self-affine, H = 0.8, nm", "di-3.di", "test_1.opd")
 
 
 class Measurement(NamedTuple):
-    """A spoilt map (y, x; m), what is stated of its instrument, and the modulus (Pa) that is used.
-
-    `finer` is a finer map or profile of the same surface whose spectrum is stated.
-    """
+    """A spoilt map (y, x; m), what is stated of its instrument, and the modulus (Pa) that is used."""
 
     height: xr.DataArray
     instrument: dict | None = None
     modulus: float = MODULUS
     modulus_uncertainty: float | None = None
-    finer: xr.DataArray | None = None
 
 
 class Spoiler(NamedTuple):
@@ -196,9 +192,9 @@ def of_one_period(height: xr.DataArray, seed: int) -> Measurement:
     return Measurement(calibrate.of_one_period(window, np.random.default_rng(seed)))
 
 
-def merged(finer: str, height: xr.DataArray, seed: int) -> Measurement:
-    """Return a map with pixels twice as large, and what is known of the finer one: a key of `FINER`."""
-    return Measurement(instruments.coarser(height, 2), finer=FINER[finer](height))
+def merged(height: xr.DataArray, seed: int) -> Measurement:
+    """Return a map with pixels twice as large."""
+    return Measurement(instruments.coarser(height, 2))
 
 
 def corrected(error: str, height: xr.DataArray, seed: int) -> Measurement:
@@ -207,12 +203,6 @@ def corrected(error: str, height: xr.DataArray, seed: int) -> Measurement:
     return case._replace(instrument=case.instrument | {"correct": True})
 
 
-FINER: dict[str, Callable[[xr.DataArray], xr.DataArray | None]] = {
-    "": lambda height: None,
-    "finer map": lambda height: height,
-    "finer patch": lambda height: height[tuple(slice(n // 3, 2 * n // 3) for n in height.shape)],
-    "finer profile": lambda height: height[height.shape[0] // 2 :][:1],
-}
 SPOILERS = {
     "none": Spoiler("none", ANY, lambda height, seed: Measurement(height)),
     "one period, tilted, 1 % missing": Spoiler("window", ANY, of_one_period),
@@ -240,12 +230,7 @@ SPOILERS = {
     },
     "heights ± 1 %": Spoiler("scale", ANY, partial(wrongly_scaled, 0.01)),
     "E* ± 5 %": Spoiler("modulus", ANY, partial(wrong_modulus, 0.05)),
-    **{
-        f"pixels × 2, {finer}".removesuffix(", "): Spoiler(
-            "pixels, finer spectrum" if finer else "pixels", ANY, partial(merged, finer)
-        )
-        for finer in FINER
-    },
+    "pixels × 2": Spoiler("pixels", ANY, merged),
 }
 SPOILERS |= {
     f"{error}, corrected": spoiler._replace(
@@ -322,7 +307,7 @@ def measure(
     height, truth = true_map(name, files, folder)
     case = spoilt(spoiler, name, height)
     contact = {"contact_modulus": case.modulus, "mean_pressure": truth["mean_pressure"]}
-    statement = statements(case, folder / f"{name}, {spoiler}.nc") if with_statement else {}
+    statement = statements(case) if with_statement else {}
     statistics = rc.evaluate(case.height, contact=contact | statement.pop("contact", {}), **statement)
     flags = [
         [text.split(":")[0].split(" (")[0] for text in reasons]
@@ -356,13 +341,9 @@ def measure(
     return rows
 
 
-def statements(case: Measurement, finer: Path) -> dict[str, dict]:
-    """Return the settings that state what is known of an error; the finer map is written to a file."""
-    instrument = dict(case.instrument or {})
-    if case.finer is not None:
-        case.finer.to_netcdf(finer)
-        instrument["finer_spectrum"] = str(finer)
-    settings = {"instrument": instrument} if instrument else {}
+def statements(case: Measurement) -> dict[str, dict]:
+    """Return the settings that state what is known of an error."""
+    settings = {"instrument": dict(case.instrument)} if case.instrument else {}
     if case.modulus_uncertainty is not None:
         settings["contact"] = {"contact_modulus_uncertainty": case.modulus_uncertainty}
     return settings
@@ -489,10 +470,8 @@ def main() -> None:
     synthetic_names, measured_names = (HELD_OUT_MADE, HELD_OUT) if options.held_out else (MADE, MEASURED)
     names = [*synthetic_names, *(name for name in measured_names if name in files)]
     names = [name for name in names if name in QUICK or not options.quick]
-    silent = ("finer", "steps")  # nothing is stated of the instrument
-    errors = [
-        error for error in options.only if not (options.unstated and any(word in error for word in silent))
-    ]
+    # of steps nothing is stated of the instrument
+    errors = [error for error in options.only if not (options.unstated and "steps" in error)]
     options.work.mkdir(parents=True, exist_ok=True)
     with ProcessPoolExecutor(options.processes) as pool:
         jobs = []

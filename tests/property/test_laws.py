@@ -152,7 +152,7 @@ NO_NUMBER |= {
 ENDINGS = (
     # of an interval or a magnification curve, of the same kind as its number
     r"_(uncertainty|((map|next|joint|octave|next_part|alone)_)?(lower|upper)|joint|alone|of_maps|parts|half_way|as_solved|estimate|at_cutoff"
-    r"|components|as_measured)$"
+    r"|components|shared|as_measured)$"
 )
 
 BODIES = (
@@ -180,7 +180,7 @@ SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}
 def kind_of(name):
     """Return the name of the number that a variable is about."""
     # on the scale of a group: a logarithm
-    if name.endswith(("_sensitivity", "_between", "_within", "_shared")):
+    if name.endswith(("_sensitivity", "_between", "_within")):
         return "sensitivity"
     return re.sub(ENDINGS, "", name)
 

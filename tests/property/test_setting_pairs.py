@@ -195,7 +195,6 @@ SETTINGS = {
     "instrument.tip_radius": Setting(2e-6, LENGTH, 1e-12),
     "instrument.amplification_z": Setting(0.02, neutral=1e-13),
     "instrument.amplification_xy": Setting(0.01, neutral=1e-13),
-    "instrument.finer_spectrum": Setting("a finer map"),
     "instrument.correct": Setting(True, needs=("instrument.resolution",)),
     "overview": Setting(True),  # a column of the table
 }
@@ -311,14 +310,6 @@ def pair_of_faces(settings, unit=1.0):
     faces = [measured(unit=unit), as_map(rough(1)[:36, :40], 0.5, False, unit)]
     faces = [rc.level(face, **settings["level"]) for face in faces]
     return rc.composite(*faces, **rc.relative_positions(*faces, **settings["composite"])[-1])
-
-
-@cache
-def finer_map(transposed=False, unit=1.0):
-    """Return the file of a finer map of the same finish."""
-    path = FILES / f"finer {transposed} {unit}.nc"
-    as_map(rough(1), 0.5, transposed, unit).rename("height").to_netcdf(path)
-    return str(path)
 
 
 @cache
@@ -495,8 +486,6 @@ def evaluated(names, *, transposed=False, unit=1.0, extra=None, **options):
     chosen, names = sections(names, **options), complete(names)
     if transposed:
         chosen.get("form", {}).get("radius", []).reverse()
-    if "instrument.finer_spectrum" in names:
-        chosen["instrument"]["finer_spectrum"] = finer_map(transposed, unit)
     for section, values in (extra or {}).items():
         chosen[section] = chosen.get(section, {}) | values
     full = resolve(chosen)[""]

@@ -84,22 +84,27 @@ def test_a_result_of_an_earlier_table_does_not_go_into_the_crate(results):
         write_crate(results)
 
 
+CONTACT = {"bodies": [{"relaxation": "dma.csv"}, "rigid"], "mean_pressure": ["5 MPa"]}
+
+
 @pytest.fixture
 def run(results, monkeypatch):
     """A function that copies the inputs of a run, of which some may have changed since; and their folder."""
     study = results.parent
     monkeypatch.chdir(study)
-    for name in ("a.npy", "b.npy", "finer.txt", "id_rsa"):
+    for name in ("a.npy", "b.npy"):
         (study / name).write_text(name)
-    contact = {"contact_modulus": "1 GPa", "mean_pressure": ["5 MPa"]}
-    config = {"surfaces": "t.tsv", "contact": contact, "instrument": {"finer_spectrum": "finer.txt"}}
+    for factor, name in enumerate(("dma.csv", "id_rsa"), start=1):
+        rows = [f"{10**k:g},{factor * (3 + 2 * k)},{0.5 + k}" for k in range(6)]
+        (study / name).write_text("\n".join(["f (Hz),E' (MPa),E'' (MPa)", *rows]))
+    config = {"surfaces": "t.tsv", "contact": CONTACT}
     table = "surface\tpath\tunit\na\ta.npy\tum\n"
     (study / "t.tsv").write_text(table)
     plan = Plan(*read_study(config, ["."], measured_in=["."]))
     attrs = provenance(plan.settings("statistics", "a"), stage="statistics")
     write_dataset(xr.Dataset({"mean_gap": ("load", [2e-7])}, attrs=attrs), results / "a/statistics.nc")
 
-    def copy(read=("a.npy", "finer.txt"), table=table, **changed):
+    def copy(read=("a.npy", "dma.csv"), table=table, **changed):
         (study / "c.yaml").write_text(yaml.safe_dump(config | changed))
         (study / "t.tsv").write_text(table)
         return copy_inputs(Path("results"), Path("c.yaml"), {sha256(Path(name)) for name in read})
@@ -110,19 +115,22 @@ def run(results, monkeypatch):
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"instrument": {"finer_spectrum": "id_rsa"}}, "a: its settings, or its row, have changed"),
-        ({"contact": {"contact_modulus": "1 GPa", "mean_pressure": ["50 MPa"]}}, "a: its settings, or its"),
+        (
+            {"contact": CONTACT | {"bodies": [{"relaxation": "id_rsa"}, "rigid"]}},
+            "a: its settings, or its row, have changed",
+        ),
+        ({"contact": CONTACT | {"mean_pressure": ["50 MPa"]}}, "a: its settings, or its"),
         ({"table": "surface\tpath\tunit\na\ta.npy\tnm\n"}, "a: its settings, or its row, have changed"),
         ({"table": "surface\tpath\tunit\na\tb.npy\tum\n"}, "b.npy: is not the file that the run has read"),
         ({"table": "surface\tpath\tunit\na\tid_rsa\tum\n"}, "id_rsa: is not the file that the run has"),
-        ({"read": ("a.npy",)}, "finer.txt: is not the file that the run has read; repeat the run first"),
+        ({"read": ("a.npy",)}, "dma.csv: is not the file that the run has read; repeat the run first"),
     ],
 )
 def test_a_crate_packs_what_the_run_has_read_as_it_has_read_it(run, changed, words):
     copy, packed = run
     config = copy()
     assert yaml.safe_load(config.read_text())["contact"]["mean_pressure"] == ["5 MPa"]
-    assert sorted(path.name for path in packed.glob("measured/*/*")) == ["a.npy", "finer.txt"]
+    assert sorted(path.name for path in packed.glob("measured/*/*")) == ["a.npy", "dma.csv"]
     with pytest.raises(InputFileError, match=words):
         copy(**changed)
     assert not list(packed.rglob("id_rsa"))

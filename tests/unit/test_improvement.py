@@ -101,7 +101,7 @@ def statistics(widths, reasons=(), *, name="relative_contact_area", **attrs):
     [
         ({"window": 0.3, "solver": 0.01}, (), "more place"),
         ({"discretisation": 0.3, "window": 0.02}, (), "pixels half as large"),
-        ({"unresolved": 0.3, "window": 0.02}, (), "the spectrum of a finer measurement"),
+        ({"unresolved": 0.3, "window": 0.02}, (), "this map then being its overview"),
         ({"unresolved": 0.3, "window": 0.02}, ("Smoothed",), "state the numerical aperture of the lens"),
         ({"material": 0.3, "window": 0.02}, (), "contact modulus"),
         ({"instrument": 0.3, "window": 0.02}, (), "export the heights in finer steps"),

@@ -83,7 +83,6 @@ LIMITS = {
     "instrument.numerical_aperture": ([SMALLEST, 1.6, None], [0, math.nextafter(1.6, 2)]),
     "instrument.amplification_z": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
     "instrument.amplification_xy": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
-    "instrument.finer_spectrum": (["patch.nid", None], [""]),
     "contact.contact_modulus_uncertainty": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
     "contact.mean_pressure_uncertainty": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
     **dict.fromkeys(
@@ -154,7 +153,6 @@ OTHERS = {
     "contact.bodies",
     "contact.target",
     "uncertainty.sources",
-    "instrument.finer_spectrum",
     "surfaces",
 }
 NUMBERS = [key for key in LIMITS if key not in OTHERS]

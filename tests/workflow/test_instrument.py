@@ -34,16 +34,14 @@ def project(tmp_path_factory, checkout):
         f"{name}\tmeasured/{name}.npy\tum\t1\t1\t{cells}"
         for name, cells in (("first", "second\t"), ("second", "\t"), ("third", "\t20 nm"))
     ]
-    finer = self_affine_surface((64, 64), 1e-7, **waves | {"shortest": 4e-7, "longest": 3.2e-6}).values
-    np.savetxt(
-        project.path("measured/finer.txt"),
-        1e9 * finer,
-        header="Width: 6.4 um\nHeight: 6.4 um\nValue units: nm",
-        comments="",
-    )
-    contact = SETTINGS["contact"] | {"contact_modulus_uncertainty": 0.05}
-    instrument = {"amplification_z": 0.01, "finer_spectrum": "measured/finer.txt"}
-    project.write(SETTINGS | {"contact": contact, "instrument": instrument}, table)
+    frequency = np.geomspace(1, 1e7, 40)
+    phase = 2j * np.pi * frequency * 1e-4
+    young = 3e3 + 27e3 * phase / (1 + phase)
+    rows = [f"{f:.6g},{e.real:.6g},{e.imag:.6g}" for f, e in zip(frequency, young, strict=True)]
+    project.path("measured/dma.csv").write_text("\n".join(["f (Hz),E' (MPa),E'' (MPa)", *rows]) + "\n")
+    contact = {"bodies": [{"relaxation": "measured/dma.csv"}, "rigid"], "mean_pressure_uncertainty": 0.05}
+    contact |= {key: SETTINGS["contact"][key] for key in ("relative_pressure", "tolerance")}
+    project.write(SETTINGS | {"contact": contact, "instrument": {"amplification_z": 0.01}}, table)
     project.last = project.succeed()
     return project
 
@@ -74,35 +72,35 @@ def test_the_results_name_all_that_was_read_and_a_crate_packs_it(project, monkey
         ("first/height", "second"),
         ("second/window", "first"),
         ("third/height", None),
-        ("third/statistics", "finer"),
+        ("third/statistics", "dma"),
     ):
         assert read_dataset(f"results/{file}.nc").attrs.get("further_sha256") == read.get(further), file
     write_crate("results", configuration="settings.yaml")
     copies = [path for path in Path("results/run_inputs/measured").rglob("*") if path.is_file()]
     assert sorted(map(sha256, copies)) == sorted(read.values())
-    Path("measured/finer.txt").rename("aside")
-    Path("measured/finer.txt").write_bytes(Path("aside").read_bytes() + b"\n")
-    with pytest.raises(InputFileError, match=r"finer\.txt: is not the file that the run has read"):
+    Path("measured/dma.csv").rename("aside")
+    Path("measured/dma.csv").write_bytes(Path("aside").read_bytes() + b"\n")
+    with pytest.raises(InputFileError, match=r"dma\.csv: is not the file that the run has read"):
         write_crate("results", configuration="settings.yaml")
-    Path("aside").rename("measured/finer.txt")
+    Path("aside").rename("measured/dma.csv")
 
 
-def test_a_finer_map_that_is_replaced_by_an_older_one_is_read_again(project):
-    path = project.path("measured/finer.txt")
+def test_a_table_that_is_replaced_by_an_older_one_is_read_again(project):
+    path = project.path("measured/dma.csv")
     text_before = path.read_text()
-    path.write_text(text_before.replace("-", "", 1))
+    path.write_text(text_before + "\n")
     os.utime(path, (1e9, 1e9))
     assert project.jobs() == {"contact": 3, "panel": 3, "report": 1}
     path.write_text(text_before)
     assert project.jobs() == {}
 
 
-def test_of_a_finer_map_that_was_replaced_no_result_is_in_a_partial_report(project, monkeypatch):
+def test_of_a_table_that_was_replaced_no_result_is_in_a_partial_report(project, monkeypatch):
     monkeypatch.chdir(project.folder)
     plan = Plan(*read_study(yaml.safe_load(Path("settings.yaml").read_text()), ["."], measured_in=["."]))
     assert report_finished(plan) == []
-    path, text_before = Path("measured/finer.txt"), Path("measured/finer.txt").read_text()
-    path.write_text(text_before.replace("-", "", 1))
+    path, text_before = Path("measured/dma.csv"), Path("measured/dma.csv").read_text()
+    path.write_text(text_before + "\n")
     os.utime(path, (1e9, 1e9))
     failures = report_finished(plan)
     path.write_text(text_before)
@@ -111,13 +109,13 @@ def test_of_a_finer_map_that_was_replaced_no_result_is_in_a_partial_report(proje
     ]
 
 
-def test_a_finer_map_that_is_not_there_is_named_before_anything_runs(project):
-    path = project.path("measured/finer.txt")
+def test_a_table_that_is_not_there_is_named_before_anything_runs(project):
+    path = project.path("measured/dma.csv")
     path.rename(aside := path.with_name("aside"))
     run = project.run()
     aside.rename(path)
     assert run.returncode
-    assert "instrument.finer_spectrum = measured/finer.txt: no such file; correct the path" in run.stderr
+    assert "relaxation = measured/dma.csv: " in run.stderr
     assert "Traceback" not in run.stderr
 
 

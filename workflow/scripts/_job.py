@@ -150,7 +150,7 @@ def save(
     )
     read = dict.fromkeys(snakemake.params.get("sources", {}).values())
     if further := [digest for digest in read if digest not in source["source_sha256"]]:
-        origin["further_sha256"] = " ".join(further)  # of repeats, profiles along a lay, a finer map
+        origin["further_sha256"] = " ".join(further)  # of repeats, profiles along a lay, relaxations
     result = result.assign_attrs(origin)
     if into is not None:
         into.complete(result)

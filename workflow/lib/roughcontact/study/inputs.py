@@ -65,9 +65,6 @@ def copy_inputs(results: Path, configuration: Path, read_checksums: set[str]) ->
     name = f"surfaces-{hashlib.sha256(text.encode()).hexdigest()[:12]}.tsv"
     write_text(text, target / name)
     for section in (config, *(config.get("cases") or {}).values()):
-        instrument = section.get("instrument") or {}
-        if path := instrument.get("finer_spectrum"):
-            instrument["finer_spectrum"] = copied(path, search_path)
         for body in (section.get("contact") or {}).get("bodies") or ():
             if path := isinstance(body, dict) and relaxation_table([body]):
                 relaxation = (

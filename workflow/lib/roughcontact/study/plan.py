@@ -237,7 +237,7 @@ class Plan:
         return owner_case if owner_case != case else ""
 
     def sources(self, rule: Rule, result: str) -> list[str]:
-        """Return the paths of the measured files that a job reads: a map and others of it, or a finer map."""
+        """Return the paths of the measured files that a job reads: maps, or a relaxation."""
         case, surface = split(result)
         if rule.startswith("prepare"):
             row = self.measured[surface]
@@ -254,10 +254,8 @@ class Plan:
         relaxation = [path] if path else []
         if rule == "slide":
             return relaxation
-        if rule not in ("contact", "statistics") or self.other_case("uncertainty", result):
-            return []
-        finer = self.cases[case]["instrument"]["finer_spectrum"]
-        return [*([finer] if finer else []), *relaxation]
+        is_solving = rule in ("contact", "statistics") and not self.other_case("uncertainty", result)
+        return relaxation if is_solving else []
 
     def all_sources(self, result: str) -> list[str]:
         """Return the paths of the measured files that contribute to a result."""

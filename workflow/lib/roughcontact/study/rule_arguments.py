@@ -129,8 +129,7 @@ class RuleArguments:
     def _reads(self, rule: Rule) -> bool:
         """Return whether any job of a rule reads files from outside."""
         further = any(
-            settings["instrument"]["finer_spectrum"] or relaxation_table(settings["contact"]["bodies"])
-            for settings in self.plan.cases.values()
+            relaxation_table(settings["contact"]["bodies"]) for settings in self.plan.cases.values()
         )
         return (
             rule == "slide" or rule.startswith("prepare") or (further and rule in ("contact", "statistics"))

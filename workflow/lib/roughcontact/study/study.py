@@ -48,14 +48,6 @@ def read_study(
         cases = resolve(config, origin=origin)
     except SettingsError as error:
         errors.append(error)
-    errors += [
-        SettingsError(
-            f"instrument.finer_spectrum = {path}: no such file; correct the path (from the working folder)",
-            place="instrument.finer_spectrum",
-        )
-        for path in dict.fromkeys(settings["instrument"]["finer_spectrum"] for settings in cases.values())
-        if path and not checked and find(path, ["."]) is None
-    ]
     table = config.get("surfaces", Settings.model_fields["surfaces"].default)
     if isinstance(table, str) and table:  # otherwise it is among the mistakes in the settings
         try:

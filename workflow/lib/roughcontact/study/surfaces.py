@@ -50,9 +50,7 @@ TEXTS = (
 REGION = ("crop", "mask")
 PAIR = "counter_face"
 PAIR_FIRST_ROW = "counter_face_first_row"
-INSTRUMENT = tuple(
-    key for key in Instrument.model_fields if key not in ("finer_spectrum", "correct")
-)  # prevail over the settings
+INSTRUMENT = tuple(key for key in Instrument.model_fields if key != "correct")  # prevail over the settings
 REPEAT = "repeat_of"  # the same place measured with nothing done in between: the noise of both follows
 OVERVIEW = "overview"  # files of coarser maps of a larger field around it
 OVERVIEW_POSITION = "overview_position"  # where it lies in them

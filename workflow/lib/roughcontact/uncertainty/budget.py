@@ -22,7 +22,7 @@ from roughcontact.uncertainty.ensemble import Result, loads_of, measured_slices
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.inputs import AMPLIFICATIONS, HARDNESS, INPUTS, input_uncertainty
 from roughcontact.uncertainty.instrument import add_correction_source, instrument_components
-from roughcontact.uncertainty.intervals import Octave, add_pressure, area_for_the_load, interval_columns
+from roughcontact.uncertainty.intervals import add_pressure, area_for_the_load, interval_columns
 from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.sample import sample_attributes
 from roughcontact.uncertainty.scales import AREA, PRESSURE, to_scale
@@ -143,7 +143,7 @@ def error_budget(
     middle = {name: to_scale(name, value) for name, value in result.values.items()}
     components: dict[UncertaintySource, Components] = {}
     scatter: Scatter | None = None
-    octave: Octave | None = None
+    octave: Components | None = None
     attrs: dict[str, Any] = {}
     if "solver" in sources:
         components["solver"] = solver_components(solved)
@@ -188,7 +188,7 @@ def error_budget(
     if "unresolved" in sources:
         columns |= (curve := magnification_curve(result))
         is_chosen = band_is_chosen(settings, window)
-        octave = {} if is_chosen else next_octave(window, curve, instrument.get("finer_spectrum"))
+        octave = {} if is_chosen else next_octave(curve)
         components["unresolved"] = {} if is_chosen else hidden_waves(window, curve, instrument, true_shapes)
     columns |= interval_columns(
         result, as_solved, middle, components, scatter=scatter, octave=octave, hardest=hardness[1]

@@ -81,6 +81,13 @@ def component_from_units(name: str, value: np.ndarray, sides: Component) -> Comp
     return np.where(np.isinf(sides), np.inf, np.where(sides == 0, 0.0, change))
 
 
+def component_in_units(name: str, value: np.ndarray, component: Component) -> Component:
+    """Return a component in the unit of a quantity from one on its scale."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        change = SIGNS * (from_scale(name, to_scale(name, value) + SIGNS * component) - value)
+    return np.where(np.isinf(component), np.inf, np.where(component == 0, 0.0, change))
+
+
 def interval_bounds(name: str, middle: np.ndarray, total: Component) -> Ends:
     """Return both ends (load) in the unit of a quantity, without limits, about a result on its scale."""
     with np.errstate(invalid="ignore"):
@@ -119,14 +126,11 @@ def columns_of_components(
 
     `bounds` are those of the combined interval.
     """
-    middle, shape = to_scale(name, value), (value.size, len(SOURCES) + 1)
+    shape = (value.size, len(SOURCES) + 1)
     widths, sides = np.full(shape, np.nan), np.zeros((*shape, len(SIDES)))
     sides[:, -1] = np.nan
     for source, component in components.items():
-        with np.errstate(invalid="ignore", over="ignore"):
-            change = SIGNS * (from_scale(name, middle + SIGNS * component) - value)
-        in_units = np.where(np.isinf(component), np.inf, np.where(component == 0, 0.0, change))
-        column = SOURCES.index(source)
+        in_units, column = component_in_units(name, value, component), SOURCES.index(source)
         sides[:, column] = in_units.T
         widths[:, column] = np.maximum(*(in_units[:2] + in_units[2:]))
     is_unbounded = np.isinf(sides).any(axis=(1, 2))

@@ -1,10 +1,11 @@
 """Differences between groups of maps, and between two results that share their map, area or faces.
 
-They are ratios of the second to the first, tested on the scales of `groups`, with intervals of their
-logarithms. Of errors with the half-widths u1 and u2 and the correlation r, what is shared cancels:
+They are ratios of the second to the first: all numbers are logarithms here, the scale of a gap. Of errors
+with the half-widths u1 and u2 and the correlation r, what is shared cancels:
 u² = (u2 - r u1)² + (1 - r²) u1² (JCGM 100:2008, 5.2.2).
 """
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations
 from typing import Any, NamedTuple
@@ -18,8 +19,8 @@ from roughcontact.arguments.si import as_declared
 from roughcontact.errors import SettingsError
 from roughcontact.statistics.kinds import check_sizes
 from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads
-from roughcontact.uncertainty.combination import SIGNS, SOURCES
-from roughcontact.uncertainty.groups import check_alike, needed_for_groups, scaled_components
+from roughcontact.uncertainty.combination import SOURCES
+from roughcontact.uncertainty.groups import check_alike, scaled_components
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.improvement import ADVICE
 from roughcontact.uncertainty.members import SHARED
@@ -27,7 +28,6 @@ from roughcontact.uncertainty.random_effects import (
     SIGNIFICANCE,
     Effects,
     adjust_over_loads,
-    correlation_at_least,
     holm,
     maps_needed,
     p_value,
@@ -35,7 +35,7 @@ from roughcontact.uncertainty.random_effects import (
     student,
     welch,
 )
-from roughcontact.uncertainty.scales import CONSTRICTIONS, extend_to_loads, from_scale, to_scale
+from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, extend_to_loads, to_scale
 
 RELEVANT = 0.1  # relative difference that matters, unless another one is stated
 DIFFER = "differ"
@@ -79,7 +79,7 @@ def compare_groups(
     References
     ----------
     .. [1] Welch (1947), The generalization of Student's problem, Biometrika 34, 28.
-    .. [2] Galwey (2009), A new measure of the effective number of tests, Genet. Epidemiol. 33, 559-568.
+    .. [2] Hochberg (1988), A sharper Bonferroni procedure for multiple tests of significance, Biometrika 75.
 
     Examples
     --------
@@ -162,7 +162,7 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     order; NaN without a positive number, uncertainty or bound. Errors are as correlated as the results of the
     same parts of the window, those of the solver independent, those of the material where the moduli differ.
     """
-    return _compare_two_maps(first, second).table(_RATIOS)
+    return _compare_two_maps((first, second)).table(_RATIOS)
 
 
 def compare_maps(
@@ -179,85 +179,57 @@ def compare_maps(
     results, omissions = {}, []
     for pair, maps in pairs.items():
         try:
-            check_alike(" and ".join(pair), pair, maps)
-            results[pair] = _compare_two_maps(*_at_common_loads(pair, maps), of_place=pair in of_place)
+            check_alike(label := " and ".join(pair), pair, maps)
+            by_load = [data.sortby("mean_pressure") for data in maps]
+            loads = common_loads(label, pair, by_load)
+            results[pair] = _compare_two_maps(by_load, loads, of_place=pair in of_place)
         except SettingsError as error:
             omissions.append(str(error))
     return _judged(results), omissions
 
 
-def _at_common_loads(names: Sequence[str], maps: Sequence[xr.Dataset]) -> list[xr.Dataset]:
-    """Return what comparisons need of two maps at the mean pressures that both reach, loads rising.
+def _of_map(
+    name: str, data: xr.Dataset, loads: np.ndarray | None, *, of_place: bool
+) -> tuple[np.ndarray, ...]:
+    """Return value (load), components (load, source, component), deviations of subwindows (load, member).
 
-    Between their own loads quantities are interpolated on their scale.
+    An interval without components stands in a single source, with NaN where there is none. Of this place
+    alone the source `window` has what the interval of the map between its borders leaves to it, and the value
+    is without what an overview shows of others. Numbers are interpolated to the `loads`, if any.
     """
-    maps = [data.sortby("mean_pressure") for data in maps]
-    loads = common_loads(" and ".join(names), names, maps)
 
-    def at_loads(name: str, by_load: xr.Variable) -> tuple[Any, np.ndarray]:
-        by_load = by_load.transpose("load", ...)
-        has_scale, own_loads = name in headline_names(data), data["mean_pressure"].values
-        values = to_scale(name, by_load.values) if has_scale else by_load.values
-        values = interpolated(own_loads, loads, values)
-        return by_load.dims, from_scale(name, values) if has_scale else values
+    def reach(endings: Sequence[str]) -> list[np.ndarray]:
+        """Return how far the ends of an interval lie below and above the value (load)."""
+        ends = (to_scale(GAP, data.get(f"{name}{key}", np.nan * data[name]).values) for key in endings)
+        return [sign * (end - value) for sign, end in zip((-1, 1), ends, strict=True)]
 
-    results = []
-    for data in maps:
-        needed = data[needed_for_groups(map(str, data.variables))]
-        columns = {k: at_loads(str(k), v) for k, v in needed.variables.items() if "load" in v.dims}
-        results.append(needed.drop_vars([*columns]).assign(columns).assign(mean_pressure=("load", loads)))
-    return results
-
-
-def _value(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarray:
-    """Return a quantity (load) on its scale; of this place alone without what an overview shows of others."""
     fine_map = data.get(f"{name}_alone", data[name])  # NaN of a map beside others with an overview
-    return to_scale(name, (fine_map.fillna(data[name]) if of_place else data[name]).values)
-
-
-def _widths(name: str, data: xr.Dataset, *, of_place: bool = False) -> np.ndarray:
-    """Return the components (load, source, component) of a map; of an interval that has none its half-widths.
-
-    These stand in a single source; NaN where there is no interval. For this place alone the source `window`
-    has what the interval of the map between its borders leaves to it.
-    """
-    if f"{name}_components" in data:
-        components = scaled_components(name, data)
-        return _of_place(name, data, components) if of_place else components
-    components = np.zeros((data.sizes["load"], len(SOURCES), 4))
-    components[:, 0, :2] = np.transpose(_reach(name, data, ENDS[1:]))
-    return components
-
-
-def _reach(
-    name: str, data: xr.Dataset, endings: Sequence[str], *, of_place: bool = False
-) -> list[np.ndarray]:
-    """Return how far the ends of an interval lie below and above its value (load), on the scale."""
-    middle = _value(name, data, of_place=of_place)
-    bounds = [to_scale(name, data.get(f"{name}{suffix}", data[name] * np.nan).values) for suffix in endings]
-    return [middle - bounds[0], bounds[1] - middle]
-
-
-def _of_place(name: str, data: xr.Dataset, components: np.ndarray) -> np.ndarray:
-    """Return components (load, source, component), those of the source `window` of this map alone."""
-    window = SOURCES.index("window")
-    other_sources = np.delete(components, window, axis=1)
-    result = components.copy()
-    result[:, window, 2:] = 0.0
-    for side, reach in enumerate(_reach(name, data, ("_map_lower", "_map_upper"), of_place=True)):
-        reach_of_widths = np.maximum(reach - other_sources[..., 2 + side].sum(axis=1), 0.0)
-        remainder = np.sqrt(np.maximum(reach_of_widths**2 - (other_sources[..., side] ** 2).sum(axis=1), 0.0))
-        result[:, window, side] = np.fmin(remainder, components[:, window, side])
-    return result
+    value = to_scale(GAP, (fine_map.fillna(data[name]) if of_place else data[name]).values)
+    widths = scaled_components(name, data, scale=GAP)
+    if f"{name}_components" not in data:
+        widths[:, 0, :2] = np.transpose(reach(ENDS[1:]))
+    elif of_place:
+        window = SOURCES.index("window")
+        other_sources, of_window = np.delete(widths, window, axis=1), widths[:, window, :2].copy()
+        widths[:, window] = 0.0
+        for side, end in enumerate(reach(("_map_lower", "_map_upper"))):
+            of_widths = np.maximum(end - other_sources[..., 2 + side].sum(axis=1), 0.0)
+            square = of_widths**2 - (other_sources[..., side] ** 2).sum(axis=1)
+            widths[:, window, side] = np.fmin(np.sqrt(np.maximum(square, 0.0)), of_window[:, side])
+    missing = np.full((0, value.size), np.nan)
+    parts = data[f"{name}_parts"].transpose(..., "load").values if f"{name}_parts" in data else missing
+    parts = to_scale(GAP, parts[np.isfinite(parts).any(axis=1)])  # the others are padding
+    deviations = parts - (parts.mean(axis=0) if len(parts) else 0.0)
+    numbers, own_loads = (value, widths, deviations.T), data["mean_pressure"].values
+    return numbers if loads is None else tuple(interpolated(own_loads, loads, each) for each in numbers)
 
 
 class _Compared(NamedTuple):
     """The ratios of two groups, and what a judgement of them needs."""
 
     # quantity -> (load,): `ratio` and its ends, `p_value` (adjusted for loads), `largest_source`, the index
-    # of that with the largest part in what differs, or is shared; of groups also, on the scale, `spread`, the
-    # standard deviation of a part (of a pair of maps), `shared`, the half-width that more maps would not make
-    # smaller, and `mean` of the first group
+    # of that with the largest part in what differs, or is shared; of groups also `spread`, the standard
+    # deviation of a part (of a pair of maps), and `shared`, the half-width that more maps make no smaller
     rows: Mapping[str, dict[str, np.ndarray]]
     load: np.ndarray  # Pa
     paired: bool = True
@@ -275,22 +247,31 @@ class _Compared(NamedTuple):
         )
 
 
-def _compare_two_maps(first: xr.Dataset, second: xr.Dataset, *, of_place: bool = False) -> _Compared:
-    """Return the comparison of two maps, of this place alone or not, without a judgement."""
-    loads = min(first.sizes["load"], second.sizes["load"])
-    maps = [data.isel(load=slice(loads)) for data in (first, second)]
-    zeros, rows = np.zeros(loads), {}
+def _compare_two_maps(
+    maps: Sequence[xr.Dataset], loads: np.ndarray | None = None, *, of_place: bool = False
+) -> _Compared:
+    """Return the comparison of two maps, of this place alone or not, without a judgement.
+
+    They have the `loads` in order, or their numbers are interpolated there.
+    """
+    if loads is None:
+        count = min(data.sizes["load"] for data in maps)
+        maps = [data.isel(load=slice(count)) for data in maps]
+    at_loads = maps[0]["mean_pressure"].values if loads is None else loads
+    zeros, rows = np.zeros(at_loads.size), {}
     for name in _names(*maps):
-        values = [_value(name, data, of_place=of_place) for data in maps]
-        widths = [_widths(name, data, of_place=of_place) for data in maps]
-        correlations = _correlations(name, *maps)
+        both = [_of_map(name, data, loads, of_place=of_place) for data in maps]
+        values, widths, deviations = zip(*both, strict=True)
+        correlations = np.tile(_source_correlations(*maps), (zeros.size, 1))
+        correlations[:, SOURCES.index("window")] = _correlations(*deviations, at_loads)
+        if any(f"{name}_components" not in data for data in maps):
+            correlations = 0 * correlations  # nothing is known of what they share
         difference, half_widths = values[1] - values[0], _unshared_half_widths(widths, correlations)
         towards_none = np.where(difference > 0, *half_widths) / student(np.array(np.inf))
         p_values = p_value(difference, towards_none, zeros + np.inf)
-        rows[name] = _ratios(name, values, widths, correlations, scatter=zeros)
-        # nothing is known of how the errors at two loads go together
-        rows[name]["p_value"] = adjust_over_loads(p_values, np.eye(loads))
-    return _Compared(rows, maps[0]["mean_pressure"].values, of_place=of_place)
+        rows[name] = _ratios(difference, widths, correlations, scatter=zeros)
+        rows[name]["p_value"] = adjust_over_loads(p_values)
+    return _Compared(rows, at_loads, of_place=of_place)
 
 
 def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compared:
@@ -330,28 +311,18 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
             "between which a difference is not known; solve them at the same mean_pressure, or at more loads"
         )
     correlation, part_names = _source_correlations(*groups), [list(data["part"].values) for data in groups]
-
-    def contrast_of(values: Sequence[np.ndarray]) -> list[Effects]:
-        """Return the effects of both groups, or of the changes of pairs."""
-        contrasts = [values[1] - values[0]] if paired else values
-        return [random_effects(*numbers) for numbers in zip(contrasts, part_names, strict=False)]
-
     rows, units = {}, 0
     for name in _names(*groups):
-        values, shared = zip(*(_scaled_numbers(name, data, loads) for data in groups), strict=True)
-        contrast = contrast_of(values)
-        # a ratio is of logarithms
-        _, log_error, log_freedom = _difference(contrast_of([_logarithm(name, each) for each in values]))
-        means = [random_effects(*numbers).mean for numbers in zip(values, part_names, strict=True)]
-        units = min(effects.units for effects in contrast)
-        deviations = np.concatenate([effects.deviations for effects in contrast])
-        load_correlation = correlation_at_least(deviations, len(deviations) - len(contrast))
-        rows[name] = _ratios(name, means, shared, correlation, scatter=student(log_freedom) * log_error)
+        values, shared = zip(*(_of_group(name, data, loads) for data in groups), strict=True)
+        contrasts = [values[1] - values[0]] if paired else values
+        effects = [random_effects(*pair) for pair in zip(contrasts, part_names, strict=False)]
+        units = min(each.units for each in effects)
+        difference, error, freedom = _difference(effects)
+        rows[name] = _ratios(difference, shared, correlation, scatter=student(freedom) * error)
         rows[name] |= {
-            "p_value": adjust_over_loads(p_value(*_difference(contrast)), load_correlation),
-            "spread": np.sqrt(np.mean([effects.error**2 * effects.units for effects in contrast], axis=0)),
+            "p_value": adjust_over_loads(p_value(difference, error, freedom)),
+            "spread": np.sqrt(np.mean([each.error**2 * each.units for each in effects], axis=0)),
             "shared": np.maximum(*_unshared_half_widths(shared, correlation)),
-            "mean": means[0],
         }
     has_parts = any(1 < len(set(names)) < len(names) for names in part_names)
     return _Compared(rows, loads, paired, units, "part" if has_parts else "map")
@@ -392,9 +363,7 @@ def _what_decides(comparison: _Compared, name: str, numbers: Mapping[str, float]
         errors = percent(numbers["ratio_upper"] / numbers["ratio"] - 1)
         way = ADVICE.get(cause, "measure a longer field") if comparison.of_place else _MORE_PLACES
         return f"errors that differ are up to {errors}, most by the {cause}; {way}"
-    mean = np.array(numbers["mean"])
-    relevant_bounds = to_scale(name, from_scale(name, mean) * np.array([1 - relevant, 1 + relevant]))
-    target = float(np.nanmin(np.abs(relevant_bounds - mean)))
+    target = math.log1p(relevant)
     missing_maps = max(maps_needed(numbers["spread"], target, pairs=comparison.paired) - comparison.maps, 1)
     plural = "s" if missing_maps > 1 else ""
     count = f"more than {_MAX_MAPS}" if missing_maps > _MAX_MAPS else f"about {missing_maps}"
@@ -417,12 +386,12 @@ def _names(one_group: xr.Dataset, another: xr.Dataset) -> list[str]:
     return [name for name in headline_names(one_group) if name in shared]
 
 
-def _scaled_numbers(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbers of the maps of a group on their scale (map, load), and what these share."""
-    load, of_maps = group["mean_pressure"].values, to_scale(name, group[f"{name}_of_maps"].values)
+def _of_group(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the numbers of the maps of a group (map, load), and the components that these share."""
+    load, of_maps = group["mean_pressure"].values, to_scale(GAP, group[f"{name}_of_maps"].values)
     is_shared = np.isin(SOURCES, (*SHARED, "solver"))[:, None]
-    shared_widths = np.where(is_shared, np.nan_to_num(group[f"{name}_shared"].values, nan=np.inf), 0.0)
-    return interpolated(load, loads, of_maps.T).T, interpolated(load, loads, shared_widths)
+    shared = np.where(is_shared, scaled_components(name, group, ending="shared", scale=GAP), 0.0)
+    return interpolated(load, loads, of_maps.T).T, interpolated(load, loads, shared)
 
 
 def _source_correlations(one_group: xr.Dataset, another: xr.Dataset) -> np.ndarray:
@@ -432,29 +401,17 @@ def _source_correlations(one_group: xr.Dataset, another: xr.Dataset) -> np.ndarr
     return np.array([0.0 if source in independent else 1.0 for source in SOURCES])
 
 
-def _correlations(name: str, one_group: xr.Dataset, another: xr.Dataset) -> np.ndarray:
-    """Return the correlations (load, source) of the errors of one map under two cases."""
-    correlations = np.tile(_source_correlations(one_group, another), (one_group.sizes["load"], 1))
-    if any(f"{name}_components" not in data for data in (one_group, another)):
-        return 0 * correlations  # nothing is known of what they share
-    a, b = (_deviations(name, data) for data in (one_group, another))
-    of_window = np.zeros(len(correlations))  # where the subwindows are not the same
-    if a.shape == b.shape:
+def _correlations(one_map: np.ndarray, another: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Return the correlations (load) of the deviations (load, member) of the subwindows of two results."""
+    of_window = np.zeros(load.size)  # where the subwindows are not the same
+    if one_map.shape == another.shape:
+        squares = np.sum(one_map**2, axis=1) * np.sum(another**2, axis=1)
         with np.errstate(invalid="ignore", divide="ignore"):
-            of_solved = np.sum(a * b, axis=0) / np.sqrt(np.sum(a**2, axis=0) * np.sum(b**2, axis=0))
+            of_solved = np.sum(one_map * another, axis=1) / np.sqrt(squares)
         if (indices := np.flatnonzero(np.isfinite(of_solved))).size:
             # interpolated between the loads at which the subwindows were solved
-            of_window = extend_to_loads(of_solved[indices], indices, one_group["mean_pressure"].values)
-    correlations[:, SOURCES.index("window")] = np.clip(of_window, -1.0, 1.0)
-    return correlations
-
-
-def _deviations(name: str, data: xr.Dataset) -> np.ndarray:
-    """Return the deviations (member, load) of the subwindows from their mean, on the scale."""
-    missing = np.full((0, data.sizes["load"]), np.nan)
-    values = data[f"{name}_parts"].transpose(..., "load").values if f"{name}_parts" in data else missing
-    values = to_scale(name, values[np.isfinite(values).any(axis=1)])  # the others are padding
-    return values - (values.mean(axis=0) if len(values) else 0.0)
+            of_window = extend_to_loads(of_solved[indices], indices, load)
+    return np.clip(of_window, -1.0, 1.0)
 
 
 def _unshared_half_widths(pair: Sequence[np.ndarray], correlation: np.ndarray) -> list[np.ndarray]:
@@ -482,35 +439,15 @@ def _difference(effects: Sequence[Effects]) -> tuple[np.ndarray, np.ndarray, np.
 
 
 def _ratios(
-    name: str,
-    values: Sequence[np.ndarray],
-    widths: Sequence[np.ndarray],
-    correlation: np.ndarray,
-    *,
-    scatter: np.ndarray,
+    difference: np.ndarray, widths: Sequence[np.ndarray], correlation: np.ndarray, *, scatter: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Return ratio, both ends of its interval, and its largest source, from two values with their components.
+    """Return ratio, both ends of its interval, and its largest source, from a difference (load).
 
-    All are (load,), and those that are given on the scale; `scatter` is the half-width of the difference of
-    logarithms by the scatter of the maps.
+    `widths` are the components of both, `scatter` the half-width by the scatter of the maps (load).
     """
-    mean, second_mean = (_logarithm(name, number) for number in values)
-    # an area near the whole moves less than its scale: what both share changes their ratio
-    on_logarithm = [
-        SIGNS[:, 0] * (_logarithm(name, value[:, None, None] + SIGNS[:, 0] * sides) - middle[:, None, None])
-        for value, middle, sides in zip(values, (mean, second_mean), widths, strict=True)
-    ]
-    below, above = (np.hypot(scatter, side) for side in _unshared_half_widths(on_logarithm, correlation))
-    difference = second_mean - mean
+    below, above = (np.hypot(scatter, side) for side in _unshared_half_widths(widths, correlation))
     with np.errstate(invalid="ignore", over="ignore"):  # of closed gaps and unbounded ends, NaN below
-        bounds = difference, difference - below, difference + above
-        ratios = np.exp(mean + np.array(bounds)) / np.exp(mean)
+        ratios = np.exp([difference, difference - below, difference + above])
     row = dict(zip(_RATIOS, np.where(np.isfinite(ratios), ratios, np.nan), strict=True))
     by_source = _unshared_half_widths([sides[:, :, None] for sides in widths], correlation[..., None])
     return row | {"largest_source": np.nan_to_num(np.maximum(*by_source), nan=0.0).argmax(axis=1)}
-
-
-def _logarithm(name: str, values: np.ndarray) -> np.ndarray:
-    """Return the logarithm of a quantity from its scale."""
-    with np.errstate(divide="ignore"):  # of an unbounded end
-        return np.log(from_scale(name, values))

@@ -29,9 +29,11 @@ from roughcontact.uncertainty.combination import (
     SOURCES,
     added_up,
     component_from_units,
-    half_widths,
+    component_in_units,
     interval_bounds,
     limited,
+    one_sided,
+    symmetric,
 )
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.members import Members, members_of_group
@@ -100,10 +102,10 @@ def group_statistics(
         `_next_upper` for the next map (of another part), `{quantity}_next_part_lower` and `_upper` for the
         mean of the next part, NaN without parts of several maps; `{quantity}_of_maps` (map, load);
         `{quantity}_between`, `{quantity}_within`: standard deviations on the scale, between parts and within
-        one; `{quantity}_shared` (load, source, component): half-widths and shifts on the scale, mean of the
-        maps; `stands_off` (map, load): 1 for a map that stands off the others in any quantity. Coordinates
-        `map`, `part` (map), `content` (map; equal for copies), `mean_pressure` (load; Pa). Attributes:
-        `group`, `remarks` (JSON: list of sentences).
+        one; `{quantity}_shared` (source, component, load): half-widths and shifts, mean of the maps;
+        `stands_off` (map, load): 1 for a map that stands off the others in any quantity. Coordinates `map`,
+        `part` (map), `content` (map; equal for copies), `mean_pressure` (load; Pa). Attributes: `group`,
+        `remarks` (JSON: list of sentences).
 
     Raises
     ------
@@ -167,12 +169,13 @@ def group_statistics(
             if len(datasets) == 1
             else _numbers_of_maps(name, values, shared, parts, loads=loads, hardest=hardest, members=members)
         )
-        if members.has_range_of_intervals and 1 < len(datasets) < MIN_FOR_INTERVAL:
-            numbers |= _hull(name, datasets, loads)
         columns |= {f"{name}{ending}": ("load", column) for ending, column in numbers.items()}
         columns[f"{name}_of_maps"] = (("map", "load"), from_scale(name, values))
-        shared = np.where(np.isinf(shared), np.nan, shared)
-        columns[f"{name}_shared"] = (("load", "source", "component"), shared)
+        in_units = component_in_units(name, numbers[""], np.moveaxis(shared, 0, -1))
+        columns[f"{name}_shared"] = (
+            ("source", "component", "load"),
+            np.where(np.isinf(in_units), np.nan, in_units),
+        )
         is_outlier |= grubbs_outliers(values)
     columns["stands_off"] = (("map", "load"), is_outlier.astype(np.int8))
     single_numbers = {"contact_modulus": float(datasets[0].get("contact_modulus", np.nan)), **hardness}
@@ -257,48 +260,39 @@ def _numbers_of_maps(
     next_map = student(effects.next_map_freedom) * effects.next_map
     mean, next_part = (student(effects.freedom) * width for width in (effects.error, effects.next_part))
     own_width = {"mean": mean, "next_map": next_map}[members.interval]
-    widths = [(width, width) for width in (own_width, next_map, next_part)]
+    of_scatter = [symmetric(width) for width in (own_width, next_map, next_part)]
     if effects.units < MIN_FOR_INTERVAL and not is_expected.all():
-        # a range, from map to map
-        unknown = np.full(loads.shape, np.nan)
-        range_ = effects.mean - values.min(axis=0), values.max(axis=0) - effects.mean
-        widths = [range_, (unknown, unknown), (unknown, unknown)]
+        # a range, from map to map, beyond which what they share reaches
+        unknown = symmetric(np.full(loads.shape, np.nan))
+        range_ = [one_sided(extreme(values, axis=0) - effects.mean) for extreme in (np.min, np.max)]
+        of_scatter = [added_up(range_), unknown, unknown]
     shared_components = np.moveaxis(shared, 0, 2)[[SOURCES.index(source) for source in members.shared]]
     value = from_scale(name, effects.mean)
     columns = {"": value, "_between": effects.between, "_within": effects.within}
-    for key, sides in zip(_FURTHER, widths, strict=True):
-        bounds = interval_bounds(name, effects.mean, added_up([half_widths(*sides), *shared_components]))
-        limits = limited(name, bounds, value=value, load=loads, hardness=hardest)
-        for suffix, limit, side in zip(ENDS[1:], limits, sides, strict=True):
-            columns[f"{key}{suffix}"] = limit + 0 * side  # NaN without an interval
+    for key, component in zip(_FURTHER, of_scatter, strict=True):
+        bounds = interval_bounds(name, effects.mean, added_up([component, *shared_components]))
+        limits = np.array(limited(name, bounds, value=value, load=loads, hardness=hardest))
+        limits[:, np.isnan(component[0])] = np.nan  # without an interval
+        columns |= {f"{key}{suffix}": limit for suffix, limit in zip(ENDS[1:], limits, strict=True)}
     return columns
 
 
-def _hull(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the range of the intervals of maps: from the lowest end to the highest."""
-    columns = {}
-    for suffix, outermost in zip(ENDS[1:], (np.min, np.max), strict=True):
-        of_maps = [
-            interpolated(data["mean_pressure"].values, loads, data.get(f"{name}{suffix}", data[name]).values)
-            for data in datasets
-        ]
-        columns[suffix] = outermost(of_maps, axis=0)
-    return columns
+def scaled_components(
+    name: str, dataset: xr.Dataset, *, ending: str = "components", scale: str = ""
+) -> np.ndarray:
+    """Return the components (load, source, component) of a quantity on its scale; 0 where unknown.
 
-
-def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:
-    """Return the components (load, source, component) of a quantity of a map on its scale; 0 where unknown.
-
-    They are half-widths, infinite where unbounded, and shifts, a known bias among them, down and up.
+    They are half-widths, infinite where unbounded, and shifts, a known bias among them, down and up. The
+    scale may be that of another quantity, `ending` "shared" is of what the maps of a group share.
     """
     values = dataset[name].values.astype(float)
-    if f"{name}_components" not in dataset:
+    if f"{name}_{ending}" not in dataset:
         return np.zeros((values.size, len(SOURCES), 4))
-    columns = dataset[f"{name}_components"].transpose("source", "component", "load")
+    columns = dataset[f"{name}_{ending}"].transpose("source", "component", "load")
     in_units = columns.values[: len(SOURCES)]  # not of what they make together
     # an unbounded half-width is NaN in the file
-    components = [component_from_units(name, values, np.nan_to_num(side, nan=np.inf)) for side in in_units]
-    return np.stack(components).transpose(2, 0, 1)
+    sides = [np.nan_to_num(side, nan=np.inf) for side in in_units]
+    return np.stack([component_from_units(scale or name, values, side) for side in sides]).transpose(2, 0, 1)
 
 
 def scaled_at(name: str, dataset: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -356,8 +350,8 @@ def _remarks(answer: xr.Dataset, datasets: Sequence[xr.Dataset], members: Member
     sentences = ["A single map: its own numbers and intervals."] if len(names) == 1 else []
     if is_range(answer):
         sentences.append(
-            f"Two {noun}: a range, from the lowest to the highest of {members.range_of}; three {noun} or "
-            "more have an interval."
+            f"Two {noun}: a range, from the lowest to the highest of the {members.noun}s, and what these "
+            f"share; three {noun} or more have an interval."
         )
     elif units == MIN_FOR_INTERVAL - 1:
         sentences.append(

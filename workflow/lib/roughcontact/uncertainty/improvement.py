@@ -30,7 +30,7 @@ ADVICE = {
     "instrument": "repeat the measurement and average, or state the instrument more narrowly",
     "material": "state contact modulus and load twice as narrowly",
     "hardness": "measure the hardness, and state it with its uncertainty",
-    "unresolved": "measure with pixels half as large, or state the spectrum of a finer measurement",
+    "unresolved": "measure with pixels half as large, this map then being its overview",
 }
 _WORTHWHILE = 0.9  # of the half-width, above which nothing is promised
 _OVERVIEW = "measure an overview, a field three times as long at a quarter of the magnification"

@@ -26,7 +26,6 @@ from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRES
 from roughcontact.uncertainty.subwindows import Scatter
 
 Windows = Mapping[calibration.Measurand, Components]  # measurand -> components of the source `window`
-Octave = Mapping[str, tuple[np.ndarray, Component]]  # quantity -> shift (load), and the component about it
 
 
 def window_components(
@@ -65,7 +64,7 @@ def interval_columns(
     components: Mapping[UncertaintySource, Components],
     *,
     scatter: Scatter | None,
-    octave: Octave | None,
+    octave: Components | None,
     hardest: float = math.inf,
 ) -> dict[str, tuple]:
     """Return the ends of all intervals of the quantities, and what they are made of.
@@ -90,12 +89,8 @@ def interval_columns(
     for key in [*windows][1:]:  # without the source `window` nothing is known of other places
         causes = [*components.values(), windows[key]] if scatter or key == "map" else []
         intervals[f"{key}_"] = centres, values, causes
-    intervals["octave_"] = centres, values, [] if octave is None else [*by_source.values()]
-    if octave:
-        shorter = {name: centre + octave[name][0] for name, centre in middle.items()}
-        shorter, change = _consistent(result, as_solved, shorter)
-        extension = add_pressure({name: pair[1] for name, pair in octave.items()}, shorter[AREA])
-        intervals["octave_"] = shorter, change, [*by_source.values(), extension]
+    shorter = [] if octave is None else [*by_source.values(), add_pressure(octave, centres[AREA])]
+    intervals["octave_"] = centres, values, shorter
     columns = _columns_alone(result, as_solved, middle, scatter)
     for name, plain in as_solved.items():
         for prefix, (on_scales, in_units, causes) in intervals.items():

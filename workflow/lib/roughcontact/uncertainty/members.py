@@ -17,16 +17,12 @@ class Members:
         one of them.
     whole : str
         what all of them are of, in words.
-    range_of : str
-        what a range of two goes over, in words.
     shared : tuple of str
         sources of uncertainty that are alike in all, and are no smaller for their mean.
     interval : {"mean", "next_map"}
         whether the interval of the group is that of the mean or of one more member.
     has_calibrated_scatter : bool
         whether the bank of measured surfaces tells how such maps scatter.
-    has_range_of_intervals : bool
-        whether the range of two goes over their intervals, and not over their values.
     may_be_equal : bool
         whether equal results are no sign of a copy.
     is_compared : bool
@@ -35,11 +31,9 @@ class Members:
 
     noun: str = "map"
     whole: str = ""
-    range_of: str = "the maps, and what these share"
     shared: tuple[str, ...] = SHARED
     interval: str = "mean"
     has_calibrated_scatter: bool = True
-    has_range_of_intervals: bool = False
     may_be_equal: bool = False
     is_compared: bool = True
 
@@ -60,11 +54,9 @@ BODIES = Members(has_calibrated_scatter=False)  # the bank has periodic maps alo
 PLACEMENTS = Members(
     noun="placement",
     whole=" of two faces",
-    range_of="their intervals",
     shared=(*SHARED, "window"),  # both faces, and with them the places where these were measured
     interval="next_map",
     has_calibrated_scatter=False,
-    has_range_of_intervals=True,
     may_be_equal=True,  # on a smooth face
     is_compared=False,
 )

@@ -18,7 +18,6 @@ COVERAGE = 0.95
 SIGNIFICANCE = 0.05  # of a difference, over all that are tested together
 POWER = 0.9  # with which the maps that are asked for would show the difference
 _OUTLIER_SIGNIFICANCE = 0.01  # significance of an outlier, ISO 5725-2:1994, 7.3.4
-_MAX_CORRELATION = 1 - 1e-9  # largest correlation
 _MAX_MAPS = 1000  # that are asked for
 
 
@@ -27,7 +26,6 @@ class Effects(NamedTuple):
 
     units: int  # what scatters independently: parts, or maps without parts of several
     mean: np.ndarray  # of the means of the parts
-    deviations: np.ndarray  # (unit, load), from it
     error: np.ndarray  # standard uncertainty of the mean
     freedom: np.ndarray  # its degrees of freedom
     next_map: np.ndarray  # standard deviation about `mean` of the next map of another part
@@ -64,7 +62,6 @@ def random_effects(values: np.ndarray, part_names: Sequence[str]) -> Effects:
     return Effects(
         units=units,
         mean=mean,
-        deviations=averages - mean,
         error=np.sqrt(scatter / units),
         freedom=freedom,
         next_map=np.sqrt(next_map),
@@ -154,51 +151,20 @@ def p_value(difference: np.ndarray, error: np.ndarray, freedom: np.ndarray) -> n
     return np.where(np.isnan(error) | np.isnan(difference) | ~(freedom > 0), np.nan, bound)
 
 
-def correlation_at_least(residuals: np.ndarray, freedom: float) -> np.ndarray:
-    """Return the lower 95 % limits (load, load), not below 0, of the correlations of loads, by Fisher's z.
-
-    `residuals` (map, load) are deviations of maps, or parts, from their means, of so many degrees of
-    `freedom`.
-
-    Examples
-    --------
-    >>> correlation_at_least(np.array([[-1.0, -1.1], [0.0, 0.2], [1.0, 0.9]] * 3), 6.0).round(2)
-    array([[1.  , 0.93],
-           [0.93, 1.  ]])
-    """
-    sizes = np.sqrt(np.sum(residuals**2, axis=0))
-    bound = np.eye(sizes.size)
-    if freedom > 2:
-        with np.errstate(invalid="ignore", divide="ignore"):
-            correlations = np.nan_to_num(residuals.T @ residuals / np.outer(sizes, sizes))
-        limit = scipy.special.ndtri(COVERAGE) / np.sqrt(freedom - 2)
-        correlations = np.clip(correlations, -_MAX_CORRELATION, _MAX_CORRELATION)
-        bound = np.fmax(bound, np.tanh(np.arctanh(correlations) - limit))
-    return bound
-
-
-def adjust_over_loads(p_values: np.ndarray, correlation: np.ndarray) -> np.ndarray:
+def adjust_over_loads(p_values: np.ndarray) -> np.ndarray:
     """Return p-values (load,) adjusted for all loads of a pair of groups; those that are NaN do not count.
 
-    Step-down: the smallest counts for (Σ √λ)² / Σ λ independent tests, λ the eigenvalues of the correlation
-    (load, load) of all loads (Galwey 2009, Genet. Epidemiol. 33, 559), the next for those of the others.
+    The step-up procedure of Hochberg (1988, Biometrika 75, 800), which holds where tests go together, as
+    those of loads do (Sarkar 1998, Ann. Statist. 26, 494).
 
     Examples
     --------
-    >>> adjust_over_loads(np.array([0.01, 0.04]), np.eye(2)).round(4)
-    array([0.0199, 0.04  ])
-    >>> adjust_over_loads(np.array([0.01, 0.04]), np.ones((2, 2))).round(4)
-    array([0.01, 0.04])
+    >>> adjust_over_loads(np.array([0.01, np.nan, 0.04])), adjust_over_loads(np.array([0.01, 0.011]))
+    (array([0.02,  nan, 0.04]), array([0.011, 0.011]))
     """
+    order = np.argsort(p_values)[: np.isfinite(p_values).sum()][::-1]  # the largest first
     result = np.full(p_values.shape, np.nan)
-    order = np.argsort(p_values)[: np.isfinite(p_values).sum()]
-    largest = 0.0
-    for index, load in enumerate(order):
-        remaining = order[index:]
-        eigenvalues = np.maximum(np.linalg.eigvalsh(correlation[np.ix_(remaining, remaining)]), 0.0)
-        tests = np.sqrt(eigenvalues).sum() ** 2 / eigenvalues.sum()
-        largest = max(largest, float(-np.expm1(tests * np.log1p(-min(p_values[load], 1 - 1e-16)))))
-        result[load] = largest
+    result[order] = np.minimum.accumulate(np.arange(1, order.size + 1) * p_values[order])
     return result
 
 

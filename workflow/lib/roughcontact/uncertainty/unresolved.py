@@ -9,7 +9,7 @@
   interval. The trend of the resolved octaves is continued to the pixels, over two octaves at most; beyond,
   nothing bounds it.
 * *The next octave*, shorter than two pixels, is an answer of its own: its change is bounded by that of the
-  last one (`calibration`), or follows the spectrum of a finer map of the same finish.
+  last one (`calibration`).
 """
 
 import math
@@ -21,27 +21,22 @@ import scipy
 import xarray as xr
 
 from roughcontact.arguments.maps import dimensions, height_map, side_lengths, spacing
-from roughcontact.io.read import read_height_map
 from roughcontact.kernels.fourier import wavevectors
-from roughcontact.surface.levelling.level import level
 from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.window.band import is_limited_by_grid
 from roughcontact.surface.window.transfer import reliability_length, shortest_transmitted
 from roughcontact.uncertainty.calibration import entry, table
-from roughcontact.uncertainty.combination import Component, Components, half_widths, one_sided, symmetric
+from roughcontact.uncertainty.combination import Components, half_widths, one_sided
 from roughcontact.uncertainty.discretisation import LARGEST_PART, part_around
-from roughcontact.uncertainty.ensemble import MARGIN, Result
-from roughcontact.uncertainty.random_effects import student
+from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.scales import ANSWERS, AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
 
 Columns = dict[str, tuple[Any, np.ndarray]]  # variable -> dims, values
-Spectra = list[tuple[np.ndarray, np.ndarray]]  # of each axis: wavenumbers, and their square slopes
 
 _POINTS_PER_WAVE = 3  # of the shortest: with two, areas of small loads are a tenth and peaks a quarter off
 _MIN_WAVES_PER_SIDE = 8  # of the shortest, in the last entry
 _LARGEST_GRID = 2048**2  # points, beyond which a part tells the change
 _MAX_OCTAVES = 2  # that are extrapolated
-_PROFILE_PIECES = 8  # whose scatter tells how well a line stands for the surface
 
 
 def remove_shortest_waves(window: xr.DataArray, cutoff: float) -> xr.DataArray:
@@ -172,32 +167,18 @@ def hidden_waves(
     return components
 
 
-def next_octave(
-    window: xr.DataArray, curve: Columns, finer: str | xr.DataArray | None = None
-) -> dict[str, tuple[np.ndarray, Component]] | None:
-    """Return by how much waves one octave shorter shift each quantity (load), and the component about that.
+def next_octave(curve: Columns) -> Components | None:
+    """Return how far waves one octave shorter may move each quantity (load), on its scale, by the bank.
 
-    `curve` is the `magnification_curve` of the periodic window, `finer` a map or profile (m) of the same
-    finish, or its path, whose spectrum tells how much steeper the surface is. None for a map too small.
+    `curve` is the `magnification_curve` of the periodic window. None for a map too small.
     """
-    gradients, growth, limit, octave = curve["gradient_at_cutoff"][1], 0.0, 0.0, {}
-    if len(gradients) < 2:
+    if len(curve["gradient_at_cutoff"][1]) < 2:
         return None
-    last = math.log(gradients[0] / gradients[1]) if gradients.min() > 0 else 0.0
-    if finer is not None:
-        finer = finer if isinstance(finer, xr.DataArray) else read_height_map(finer)
-        growth, limit = growth_by_finer_spectrum(window, level(finer, form="plane"))
+    octave = {}
     for name, change in _changes(curve, 0).items():
-        if finer is None:
-            unit = curve[f"{GAP}_at_cutoff"][1][:, 0] if name in CONSTRICTIONS else 1.0
-            arms, size = table()["octave"][entry(name)], np.hypot(change, unit)
-            octave[name] = np.zeros_like(change), half_widths(arms["down"] * size, arms["up"] * size)
-        else:  # as many octaves of the last one's growth
-            shift = change * min(growth / last, 4.0) if last > 0 else 0 * change
-            if name == AREA:
-                shift = np.minimum(shift, -growth)
-            scatter = limit / growth - 1 if growth > 0 else 0.0
-            octave[name] = shift, symmetric(np.abs(math.hypot(MARGIN, scatter) * shift))
+        unit = curve[f"{GAP}_at_cutoff"][1][:, 0] if name in CONSTRICTIONS else 1.0
+        arms, size = table()["octave"][entry(name)], np.hypot(change, unit)
+        octave[name] = half_widths(arms["down"] * size, arms["up"] * size)
     return octave
 
 
@@ -208,53 +189,3 @@ def _changes(curve: Columns, index: int) -> dict[str, np.ndarray]:
         fine, coarse = to_scale(name, curve[f"{name}_at_cutoff"][1][:, index : index + 2]).T
         changes[name] = np.nan_to_num(fine - coarse)
     return changes
-
-
-def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> tuple[float, float]:
-    """Return the growth of ln g by the waves of a finer map or profile, and its upper limit (95 %).
-
-    Slopes along lines up to q0 are those of the periodic window, beyond it those of the levelled finer one
-    under a Hann window. The limit of a profile is by the scatter between its pieces.
-    """
-    coarse, fine = _line_spectra(window, periodic=True), _line_spectra(finer, periodic=False)
-    # a quarter of the highest wavenumber, where pixels do not yet attenuate, or the fourth wave of the finer
-    # line if that is shorter
-    limit = max([min(q[-1] for q, _ in coarse) / 4, *(4 * q[1] for q, _ in fine)])
-    total, longer = _square_slope(coarse), _square_slope(coarse, up_to=limit)
-    shorter = _square_slope(fine, above=limit)
-    if not total > 0:
-        return 0.0, 0.0
-    scatter = _relative_scatter(finer, limit) if min(finer.shape) == 1 else 0.0
-    ratios = (longer + np.array([1.0, 1.0 + scatter]) * shorter) / total
-    growth, upper_limit = np.maximum(0.5 * np.log(ratios), 0.0)
-    return float(growth), float(upper_limit)
-
-
-def _square_slope(spectra: Spectra, *, above: float = -math.inf, up_to: float = math.inf) -> float:
-    """Return the mean square slope along lines by waves of wavenumbers in between (rad/m)."""
-    return float(np.mean([np.sum(square[(q > above) & (q <= up_to)]) for q, square in spectra]))
-
-
-def _relative_scatter(profile: xr.DataArray, limit: float) -> float:
-    """Return the relative expanded uncertainty of a profile's mean square slope of waves beyond `limit`."""
-    step = max(spacing(profile))
-    slopes = np.fft.rfft(np.diff(profile.values.ravel()) / step)
-    slopes[2 * np.pi * np.fft.rfftfreq(profile.size - 1, step) <= limit] = 0
-    square = np.fft.irfft(slopes, profile.size - 1) ** 2
-    if square.size < 2 * _PROFILE_PIECES or not square.any():
-        return 1.0
-    block_means = [block.mean() for block in np.array_split(square, _PROFILE_PIECES)]
-    error = float(np.std(block_means, ddof=1) / np.mean(block_means)) / math.sqrt(_PROFILE_PIECES)
-    return float(student(np.array(_PROFILE_PIECES - 1.0))) * error
-
-
-def _line_spectra(height: xr.DataArray, *, periodic: bool) -> Spectra:
-    """Return for each axis with lines the wavenumbers and their contributions to the mean square slope."""
-    spectra = []
-    for axis, step in enumerate(spacing(height)):
-        if (points := height.shape[axis]) >= 8:
-            taper = np.ones(points) if periodic else np.hanning(points)
-            _, density = scipy.signal.periodogram(height.values, 1 / step, taper, axis=axis)
-            q = 2 * np.pi * np.fft.rfftfreq(points, step)
-            spectra.append((q, density.mean(axis=1 - axis) / (points * step) * q**2))
-    return spectra

@@ -697,8 +697,6 @@ class Instrument(Section):
     """uncertainty of the height scale, relative, expanded (95 %), no unit"""
     amplification_xy: RelativeUncertainty | None = _example(0.005)
     """uncertainty of the lateral scale, relative, expanded (95 %), no unit"""
-    finer_spectrum: str | None = Field(default=None, min_length=1, examples=["measured/afm-patch.nid"])
-    """path of a finer map or profile of the same finish, whose spectrum continues that of the map"""
     correct: bool = False
     """whether the map is corrected for noise, and resolution or lens, as far as they are known: the results
     are then those of the corrected map, and say so; else only the ± includes them"""

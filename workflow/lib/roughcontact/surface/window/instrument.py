@@ -49,7 +49,7 @@ def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> Non
     length, pixel = (max(values) for values in zip(*sides, strict=True))
     rms_height = float(window.std()) if instrument.get("noise") else 0.0
     for key, value in instrument.items():
-        if key != "finer_spectrum" and value is not None and not value >= 0:
+        if value is not None and not value >= 0:
             raise SettingsError(f"instrument.{key} = {value:g}: give a number of 0 or more")
     for key, is_excluded, reason in (
         ("tip_radius", lambda v: v > length, f"larger than the map ({length:.3g} m)"),
