@@ -365,19 +365,14 @@ def _what_decides(comparison: _Compared, name: str, numbers: Mapping[str, float]
         return f"errors that differ are up to {errors}, most by the {cause}; {way}"
     target = math.log1p(relevant)
     missing_maps = max(maps_needed(numbers["spread"], target, pairs=comparison.paired) - comparison.maps, 1)
-    plural = "s" if missing_maps > 1 else ""
     count = f"more than {_MAX_MAPS}" if missing_maps > _MAX_MAPS else f"about {missing_maps}"
-    group = "" if comparison.paired else " per group"
-    more_maps = f"{count} more {comparison.noun}{plural}{group} needed"
+    nouns, group = "s" if missing_maps > 1 else "", "" if comparison.paired else " per group"
+    more_maps = f"{count} more {comparison.noun}{nouns}{group} needed"
     if numbers["shared"] < target:
         return more_maps
     advice = ADVICE.get(cause, "state what they share")
-    shared_error = f"all maps share errors above {percent(relevant)}; {advice}"
-    pairs = 1 if comparison.paired else 2  # whose scatter adds
-    freedom = np.array(pairs * (comparison.maps - 1.0))
-    of_scatter = student(freedom) * numbers["spread"] * np.sqrt(pairs / comparison.maps)
-    causes = [shared_error, more_maps]
-    return "; and ".join(causes[::-1] if of_scatter > numbers["shared"] else causes)
+    # no number of maps tells alone
+    return f"all maps share errors above {percent(relevant)}; {advice}; and {more_maps}"
 
 
 def _names(one_group: xr.Dataset, another: xr.Dataset) -> list[str]:

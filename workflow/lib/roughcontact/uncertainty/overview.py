@@ -110,8 +110,12 @@ def scatter_with_overviews(
     scatter = scatter_of_subwindows(result, levelled, arguments=arguments, number=number)
     if not scatter.features:
         return scatter
-    fine = placing.measured_rectangle(levelled)
-    views = [_view(result, fine, overview, overviews, arguments) for overview in overviews]
+    fine, views = placing.measured_rectangle(levelled), []
+    for overview in overviews:
+        own, sees_map = own_place(fine, overview, overviews)
+        transfers = transfers_of(result, form_order(fine), own, overview, arguments)
+        pixels = math.sqrt(math.prod(spacing(overview)) / math.prod(spacing(fine)))
+        views.append(View(transfers, pixels, sees_map, math.prod(field_ratios(fine, overview))))
     sentences = [_sentence(fine, overview) for overview in overviews]
     return with_views(scatter._replace(overview=" ".join(sentences)), result, views)
 
@@ -122,23 +126,6 @@ def _sentence(fine: xr.DataArray, overview: xr.DataArray) -> str:
     sides = " × ".join(number_text(side, digits=2) for side in reversed(field_ratios(fine, overview)))
     overview_in_words = f"An overview{f' ({file})' if file else ''} of {sides} fields"
     return f"{overview_in_words} shows other places; {words[0].lower()}{words[1:]}"
-
-
-def _view(
-    result: Result,
-    fine: xr.DataArray,
-    overview: xr.DataArray,
-    overviews: Sequence[xr.DataArray],
-    arguments: Mapping[str, Any],
-) -> View:
-    """Return what an overview shows of other places than that of the map."""
-    own, sees_map = own_place(fine, overview, overviews)
-    return View(
-        transfers_of(result, form_order(fine), own, overview, arguments),
-        pixels=math.sqrt(math.prod(spacing(overview)) / math.prod(spacing(fine))),
-        sees_map=sees_map,
-        field=math.prod(field_ratios(fine, overview)),
-    )
 
 
 def own_place(
