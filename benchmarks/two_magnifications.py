@@ -59,7 +59,8 @@ LEVELS = {
 }  # of the arms; of joints the bank has one for nine parts
 LEVEL_ELSEWHERE = 0.97  # whose errors differ more from map to map
 LIMIT_LEVEL = 0.995  # of the limits of the gap, with which no coverage is lost
-LARGEST_CHANGE = 3.0  # of a logarithm, in the fit of the coefficient
+LARGEST_CHANGE = 3.0  # of a logarithm, in the fit of the coefficients
+RIDGE = 1.0  # beside the weight of a map at a load: 0.5 to 4 score alike
 WORK = Path(__file__).parent / "work" / "two_magnifications"
 RESULTS = Path(__file__).parent / "results" / "overview"
 BANK = [RESULTS / f"{name}.csv" for name in ("fine", "overviews", "elsewhere")]
@@ -259,9 +260,10 @@ def elsewhere(number: int) -> list[int]:
 def errors_of(
     fine: pd.DataFrame, overviews: pd.DataFrame, name: str, measurand: str, *, around: bool = True
 ) -> pd.DataFrame:
-    """Return the errors of a quantity: of the fine map alone, and the change that the overview shows.
+    """Return the errors of a quantity: of the fine map alone, and the changes that the overview shows.
 
-    An overview that is not `around` the map is of the parts `elsewhere`, which are then the truth.
+    An overview that is not `around` the map is of the parts `elsewhere`, which are then the truth; else it
+    also shows that of the `overview.COUNTERPARTS`.
     """
     tables = []
     for (key, load), some in fine.groupby(["map", "load"], sort=False):
@@ -279,8 +281,10 @@ def errors_of(
     alone = pd.DataFrame(tables)
     change = JOINT if measurand == JOINT else "surface"
     kept = {f"{name}_{change}": "change", f"{name}_octave": "octave", f"{name}_places": "places"}
-    overview = overviews.rename(columns=kept)[["map", "part", "load", "factor", *kept.values()]]
-    both = alone.merge(overview, on=["map", "part", "load"]).dropna(subset=["alone", *kept.values()])
+    if around and name in overview.COUNTERPARTS:
+        kept[f"{overview.COUNTERPARTS[name]}_{change}"] = "counterpart"
+    shown = overviews.rename(columns=kept)[["map", "part", "load", "factor", *kept.values()]]
+    both = alone.merge(shown, on=["map", "part", "load"]).dropna(subset=["alone", *kept.values()])
     return _weighted(both, ["map", "load", "factor"])
 
 
@@ -296,18 +300,29 @@ def size_of(errors: pd.DataFrame, measurand: str) -> np.ndarray:
     return overview.expected_size(measurand, *shown)
 
 
-def coefficient_of(errors: pd.DataFrame) -> float:
-    """Return by how much the change that the overview shows counts: least squares, from 0 to 1."""
-    change, weight = errors["change"].clip(-LARGEST_CHANGE, LARGEST_CHANGE), errors["weight"]
-    return float(np.clip((weight * change * errors["alone"]).sum() / (weight * change**2).sum(), 0, 1))
+def changes_of(errors: pd.DataFrame) -> pd.DataFrame:
+    """Return the changes that the overview shows of a quantity, and of its counterpart, if that counts."""
+    return errors[[key for key in ("change", "counterpart") if key in errors]]
+
+
+def coefficients_of(errors: pd.DataFrame) -> np.ndarray:
+    """Return by how much the changes that the overview shows count: least squares, a single one 0 to 1.
+
+    Ridge regression (Hoerl and Kennard 1970) keeps that of the counterpart small where few maps tell of it.
+    """
+    root, changes = np.sqrt(errors["weight"]), changes_of(errors).clip(-LARGEST_CHANGE, LARGEST_CHANGE)
+    rows = np.vstack([changes.mul(root, axis=0), np.sqrt(RIDGE) * np.eye(changes.shape[1])[1:]])
+    target = np.append(errors["alone"] * root, np.zeros(len(rows) - len(root)))
+    shares = np.linalg.lstsq(rows, target, rcond=None)[0]
+    return np.clip(shares, 0.0, 1.0) if shares.size == 1 else shares
 
 
 def arms_of(errors: pd.DataFrame, measurand: str, level: float | None = None) -> dict:
-    """Return the coefficient of the change, and the arms down and up at each load, of one factor."""
+    """Return the coefficients of the changes, and the arms down and up at each load, of one factor."""
     errors = errors[errors["kind"] == "measured"]
-    share = coefficient_of(errors)
-    arms: dict = {"share": share, "load": [], "down": [], "up": []}
-    ratio = (errors["alone"] - share * errors["change"]) / size_of(errors, measurand)
+    shares = coefficients_of(errors)
+    arms: dict = {"shares": shares.tolist(), "load": [], "down": [], "up": []}
+    ratio = (errors["alone"] - changes_of(errors) @ shares) / size_of(errors, measurand)
     for load in JUDGED:
         some = (errors["load"] == load).to_numpy()
         weights = errors["weight"].to_numpy()[some]
@@ -326,7 +341,7 @@ def left_out(errors: pd.DataFrame, measurand: str, level: float | None = None) -
         size = size_of(some, measurand)
         index = some["load"].map({load: index for index, load in enumerate(JUDGED)}).to_numpy()
         low, high = (sign * np.array(arms[key])[index] * size for sign, key in ((-1, "down"), (1, "up")))
-        error = some["alone"] - arms["share"] * some["change"]
+        error = some["alone"] - changes_of(some) @ arms["shares"]
         tables.append(some.assign(error=error, low=low, high=high))
     return pd.concat(tables)
 
@@ -349,7 +364,8 @@ def _alone(fine: pd.DataFrame, name: str, measurand: str) -> pd.DataFrame:
     """Return the errors of parts without any overview."""
     keys = ["map", "part", "load"]
     nothing = fine.loc[fine["part"] != WHOLE, keys].assign(factor=0)
-    columns = {f"{name}_{key}": 0.0 for key in ("surface", JOINT, "octave", "places")}
+    names = name, overview.COUNTERPARTS.get(name, name)
+    columns = {f"{key}_{suffix}": 0.0 for key in names for suffix in ("surface", JOINT, "octave", "places")}
     return errors_of(fine, nothing.assign(**columns), name, measurand)
 
 

@@ -702,7 +702,9 @@ def test_what_scatters_more_than_all_maps_share_asks_for_more_maps():
         for part in (0.01, 0.4)
     )
     outcome = rc.compare_groups(fine, coarse)["outcome"].item()
-    assert re.match(r"inconclusive: all maps share errors above .*; and about \d+ more maps per group", outcome)
+    assert re.match(
+        r"inconclusive: all maps share errors above .*; and about \d+ more maps per group", outcome
+    )
 
 
 @pytest.mark.parametrize("wrong", [[], np.zeros((4, 4)), [np.zeros((4, 4))]], ids=["none", "array", "arrays"])

@@ -73,21 +73,26 @@ def arms(
 
 def overview_arms(
     measurand: Measurand, name: str, pixels: float, area: np.ndarray, *, sees_map: bool = True
-) -> tuple[float, np.ndarray, np.ndarray]:
-    """Return by how much the change that an overview shows counts, and its arms down and up (load).
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return by how much the changes that an overview shows count, and its arms down and up (load).
 
-    The arms are over the expected size, `pixels` those of the overview over those of the fine map: between
-    those of the bank arms are interpolated in their logarithm, finer ones have the nearest. Of much coarser
-    ones nothing is known (inf).
+    The first is of the quantity, a second of its counterpart. The arms are over the expected size, `pixels`
+    those of the overview over those of the fine map: between those of the bank arms are interpolated in
+    their logarithm, finer ones have the nearest. Of much coarser ones nothing is known (inf).
     """
     by_pixels = table()["overview" if sees_map else "elsewhere"].get(measurand, {}).get(name, {})
     x, logarithms = math.log(pixels), np.log([float(key) for key in by_pixels])
     if not by_pixels or x > logarithms[-1] + math.log(_COARSER):
-        return 0.0, *np.full((2, *np.shape(area)), np.inf)
-    share = float(np.interp(x, logarithms, [arm["share"] for arm in by_pixels.values()]))
-    arms_of_bank = [look_up(arm, area) for arm in by_pixels.values()]
-    spline = scipy.interpolate.make_interp_spline(logarithms, arms_of_bank, k=1)
-    return share, *spline(np.clip(x, *logarithms[[0, -1]]))
+        return np.zeros(1), *np.full((2, *np.shape(area)), np.inf)
+    numbers = (
+        [arm["shares"] for arm in by_pixels.values()],
+        [look_up(arm, area) for arm in by_pixels.values()],
+    )
+    inside = np.clip(x, *logarithms[[0, -1]])
+    shares, arms_of_bank = (
+        scipy.interpolate.make_interp_spline(logarithms, each, k=1)(inside) for each in numbers
+    )
+    return shares, *arms_of_bank
 
 
 def limit_of_gap(measurand: Measurand, area: np.ndarray, gap: np.ndarray | float) -> np.ndarray:

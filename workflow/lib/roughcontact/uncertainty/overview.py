@@ -4,11 +4,11 @@ The overview shows a field around the fine map. On the scale t of each quantity 
 
     t = t_fine(own place) + b (mean of t_coarse(places) - t_coarse(own place)),
 
-where b, from 0 to 1, is of the bank, and every place is a window of the size of the fine map (control
-variates: Nelson 1990, Operations Research 38, 974). All are solved at the load p k, k being the gradient of
-the overview over that of the fine map at its own place, so that both touch as much. Lens, noise and lateral
-scale of the overview are the same at all places, and cancel. The whole overview in place of the mean is a
-joint as large as it.
+where b is of the bank, and every place is a window of the size of the fine map (control variates: Nelson
+1990, Operations Research 38, 974). Of gap and conductance the change of the other counts as well. All are
+solved at the load p k, k being the gradient of the overview over that of the fine map at its own place, so
+that both touch as much. Lens, noise and lateral scale of the overview are the same at all places, and
+cancel. The whole overview in place of the mean is a joint as large as it.
 
 An overview of another position of the face has no own place: that of another overview with its pixels stands
 for it, or else the fine map with its pixels merged, whose lens is not that of the overview. Then lens and
@@ -39,9 +39,10 @@ from roughcontact.surface.window.periodic_window import subwindow
 from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.calibration import ALONE, JOINT, MEASURANDS, Measurand
 from roughcontact.uncertainty.ensemble import Result
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
+from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, CONSTRICTIONS, GAP, PEAK, to_scale
 from roughcontact.uncertainty.subwindows import Scatter, Slices, relevelled, scatter_of_subwindows
 
+COUNTERPARTS = {GAP: CONDUCTANCE, CONDUCTANCE: GAP}  # whose change tells of that of a quantity as well
 OTHER_PLACES: tuple[Measurand, ...] = ("surface", "next", JOINT)
 # of their scatter, in the size
 _SHARE_OF_PLACES: dict[str, float] = dict(zip(OTHER_PLACES, (0.3, 1.0, 0.3), strict=True))
@@ -77,12 +78,14 @@ class View(NamedTuple):
         `gradient` is that of the features of the map.
         """
         transfer = self.transfers[name]
-        share, down, up = calibration.overview_arms(
+        shares, down, up = calibration.overview_arms(
             measurand, name, self.pixels, area, sees_map=self.sees_map
         )
-        change = transfer.joint if measurand == JOINT else transfer.surface
-        size = expected_size(measurand, change, transfer.octave, transfer.places, gradient)
-        return share * change, down * size, up * size
+        shown = transfer, self.transfers.get(COUNTERPARTS.get(name, ""), transfer)
+        changes = [each.joint if measurand == JOINT else each.surface for each in shown]
+        size = expected_size(measurand, changes[0], transfer.octave, transfer.places, gradient)
+        centre = sum(share * change for share, change in zip(shares, changes, strict=False))
+        return np.asarray(centre), down * size, up * size
 
 
 def expected_size(
