@@ -242,10 +242,11 @@ def test_the_gas_of_a_joint_follows_the_gap_that_an_overview_shows(field):
     joints = [
         rc.evaluate(part, uncertainty={"sources": []}, **settings)["joint_conductance"] for part in parts
     ]
-    truth = np.mean(joints, axis=0)
+    truth, alone = np.mean(joints, axis=0), joints[4]  # the place of the map is the middle one
     assert (found["joint_conductance_lower"].values < truth).all()
     assert (truth < found["joint_conductance_upper"].values).all()
-    assert found["joint_conductance"].values == pytest.approx(truth, rel=0.05)
+    errors = [np.abs(np.log(values / truth)).mean() for values in (found["joint_conductance"].values, alone)]
+    assert errors[0] < 0.5 * errors[1]
 
 
 def test_an_overview_without_a_size_is_asked_to_state_it_in_its_file(field, tmp_path):
