@@ -9,8 +9,8 @@ from known_surfaces import self_affine
 import roughcontact as rc
 from data_samples.make_samples import blasted_surface
 from roughcontact.arguments.maps import height_map
+from roughcontact.evaluation.kinds.ridge_contrast import ridge_contrast
 from roughcontact.surface.roughness.parameters import rms_gradient
-from roughcontact.uncertainty.ridges import ridge_contrast
 from roughcontact.uncertainty.scales import AREA, GAP
 
 SAMPLES = Path(__file__).parents[2] / "data_samples"

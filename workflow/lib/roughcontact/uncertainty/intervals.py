@@ -91,7 +91,11 @@ def interval_columns(
         intervals[f"{key}_"] = centres, values, causes
     shorter = [] if octave is None else [*by_source.values(), add_pressure(octave, centres[AREA])]
     intervals["octave_"] = centres, values, shorter
-    columns = _columns_alone(result, as_solved, middle, scatter)
+    columns: dict[str, tuple] = {}
+    if scatter and scatter.overview:  # the map, without what its overview shows of other places
+        of_map = {name: centre - scatter.shift.get(name, 0.0) for name, centre in middle.items()}
+        alone = _consistent(result, as_solved, of_map)[1]
+        columns |= {f"{name}_{ALONE}": ("load", alone[name]) for name in (*scatter.shift, PRESSURE)}
     for name, plain in as_solved.items():
         for prefix, (on_scales, in_units, causes) in intervals.items():
             if prefix == f"{JOINT}_" and name not in windows[JOINT]:
@@ -114,17 +118,6 @@ def interval_columns(
         bounds = columns[f"{name}_lower"][1], columns[f"{name}_upper"][1]
         columns |= columns_of_components(name, values[name], of_name, bounds)
     return columns
-
-
-def _columns_alone(
-    result: Result, as_solved: Values, middle: Values, scatter: Scatter | None
-) -> dict[str, tuple]:
-    """Return the corrected results of this map, without what its overview shows of other places."""
-    if not (scatter and scatter.overview):
-        return {}
-    of_map = {name: centre - scatter.shift.get(name, 0.0) for name, centre in middle.items()}
-    _, values = _consistent(result, as_solved, of_map)
-    return {f"{name}_{ALONE}": ("load", values[name]) for name in (*scatter.shift, PRESSURE)}
 
 
 def area_for_the_load(result: Result, middle: Values) -> np.ndarray:

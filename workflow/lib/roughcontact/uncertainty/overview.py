@@ -233,8 +233,7 @@ def _combined(numbers: np.ndarray) -> np.ndarray:
 
     The narrower ones count more; as they have the map, and places, in common, their arms are averaged too.
     """
-    tells = np.isfinite(numbers).all(axis=1)
-    width = np.where(tells, numbers[:, 1] + numbers[:, 2], np.inf)
-    weights = np.where(tells, width, np.inf) ** -2.0
-    weights = np.where(tells.any(axis=0), weights / np.maximum(weights.sum(axis=0), 1e-300), np.nan)
-    return (weights[:, None] * np.where(tells[:, None], numbers, 0.0)).sum(axis=0)
+    tells = np.isfinite(numbers).all(axis=1, keepdims=True)
+    weights = np.where(tells, numbers[:, 1:2] + numbers[:, 2:], np.inf) ** -2.0
+    with np.errstate(invalid="ignore"):
+        return (weights * np.where(tells, numbers, 0.0)).sum(axis=0) / weights.sum(axis=0)

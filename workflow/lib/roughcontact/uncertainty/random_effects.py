@@ -104,13 +104,6 @@ def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
     return scipy.special.stdtrit(positive, (1 + coverage) / 2)
 
 
-def width_of_mean(values: np.ndarray) -> np.ndarray:
-    """Return how far from the mean of numbers (number, ...) that of ever so many lies; NaN where unknown."""
-    with np.errstate(invalid="ignore"):  # of infinite ones
-        error = np.std(values, axis=0, ddof=1) / np.sqrt(len(values))
-    return student(np.array(len(values) - 1.0)) * error
-
-
 def width_of_next(values: np.ndarray) -> np.ndarray:
     """Return how far from the mean of numbers (number, load) a further one lies; infinite where unknown.
 

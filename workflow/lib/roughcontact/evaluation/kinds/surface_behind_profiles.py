@@ -2,9 +2,9 @@
 
 Its ± is the scatter of the results of such surfaces, drawn from pieces of the profiles, with standard
 deviation s. Their mean is the result, that of area and gap corrected by a share of the contrast between the
-profiles and theirs (`ridges`). The arms are q sqrt(s^2 + c^2), c the spread beyond s of the errors e of
-profiles cut out of maps, and q the 95 % quantile of |e|/sqrt(s^2 + c^2) (split conformal prediction). The
-numbers are written by `benchmarks/profiles.py`.
+profiles and theirs (`ridge_contrast`). The arms are q sqrt(s^2 + c^2), c the spread beyond s of the errors
+e of profiles cut out of maps, and q the 95 % quantile of |e|/sqrt(s^2 + c^2) (split conformal prediction).
+The numbers are written by `benchmarks/profiles.py`.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -17,6 +17,7 @@ import xarray as xr
 from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.arguments.quantities import counted_noun
 from roughcontact.evaluation.kinds.periodic_map import PeriodicMap, SolvedMap
+from roughcontact.evaluation.kinds.ridge_contrast import ridge_contrast
 from roughcontact.surface.preparation.profiles import ProfilesPreparation
 from roughcontact.surface.profiles.finish import draw, fit_statistics
 from roughcontact.surface.profiles.spectrum import ProfileFit
@@ -25,7 +26,6 @@ from roughcontact.surface.window.band import in_band
 from roughcontact.uncertainty.calibration import MEASURANDS, entry, look_up, table
 from roughcontact.uncertainty.discretisation import CORRECTED
 from roughcontact.uncertainty.ensemble import Result
-from roughcontact.uncertainty.ridges import ridge_contrast
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, to_scale
 from roughcontact.uncertainty.subwindows import Scatter
 
