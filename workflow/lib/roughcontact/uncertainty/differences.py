@@ -263,7 +263,7 @@ def _compare_two_maps(
         both = [_of_map(name, data, loads, of_place=of_place) for data in maps]
         values, widths, deviations = zip(*both, strict=True)
         correlations = np.tile(_source_correlations(*maps), (zeros.size, 1))
-        correlations[:, SOURCES.index("window")] = _correlations(*deviations, at_loads)
+        correlations[:, SOURCES.index("window")] = _correlations(deviations, at_loads)
         if any(f"{name}_components" not in data for data in maps):
             correlations = 0 * correlations  # nothing is known of what they share
         difference, half_widths = values[1] - values[0], _unshared_half_widths(widths, correlations)
@@ -396,13 +396,12 @@ def _source_correlations(one_group: xr.Dataset, another: xr.Dataset) -> np.ndarr
     return np.array([0.0 if source in independent else 1.0 for source in SOURCES])
 
 
-def _correlations(one_map: np.ndarray, another: np.ndarray, load: np.ndarray) -> np.ndarray:
+def _correlations(deviations: Sequence[np.ndarray], load: np.ndarray) -> np.ndarray:
     """Return the correlations (load) of the deviations (load, member) of the subwindows of two results."""
-    of_window = np.zeros(load.size)  # where the subwindows are not the same
-    if one_map.shape == another.shape:
-        squares = np.sum(one_map**2, axis=1) * np.sum(another**2, axis=1)
+    (a, b), of_window = deviations, np.zeros(load.size)
+    if a.shape == b.shape:  # else the subwindows are not the same
         with np.errstate(invalid="ignore", divide="ignore"):
-            of_solved = np.sum(one_map * another, axis=1) / np.sqrt(squares)
+            of_solved = np.sum(a * b, axis=1) / np.sqrt(np.sum(a**2, axis=1) * np.sum(b**2, axis=1))
         if (indices := np.flatnonzero(np.isfinite(of_solved))).size:
             # interpolated between the loads at which the subwindows were solved
             of_window = extend_to_loads(of_solved[indices], indices, load)
