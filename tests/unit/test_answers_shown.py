@@ -272,6 +272,20 @@ def test_the_total_of_a_joint_comes_first_with_what_is_allowed():
     assert line.startswith(start)
 
 
+def test_the_line_of_a_joint_with_an_area_has_its_resistance():
+    """5.0e9 S/m² on 2 mm² are 0.1 mΩ."""
+    joint = {"electrical_conductance": 5e9, "electrical_resistance": 2e-10, "mean_pressure": 1e6}
+    joint |= {"total_electrical_resistance": 1e-4, "relative_contact_area": 0.2, "max_pressure": 1e8}
+    joint |= {"mean_gap": 1e-7, "mean_contact_pressure": 5e6}
+    loads = {name: ("load", [value]) for name, value in joint.items()}
+    numbers = xr.Dataset(loads | {"contact_modulus": 1e11, "joint_area": 2e-6})
+    line = glance.answer_line(numbers, 0, glance.glance_rows(numbers, indices=[0])[0])
+    assert (
+        line.replace("\N{NO-BREAK SPACE}", " ")
+        == "At 1.00 MPa: conductance 5.00 GS/m² (current, 0.100 mΩ of the joint)."
+    )
+
+
 def test_the_conductance_of_a_joint_is_that_with_its_gas():
     heat = {"thermal_conductance": 2.3e5, "joint_conductance": 2.6e5, "mean_pressure": 1e6}
     heat |= {

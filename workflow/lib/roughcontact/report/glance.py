@@ -56,6 +56,7 @@ IN_WORDS = [answer.heading for answer in ANSWERS.values() if not answer.quantity
 _CLOSED = "closed (< 1 nm)"
 _NO_INTERVAL = "no ±"
 _EXACT = "taken as exact"  # ends a remark that holds at all loads of a surface
+_OF_JOINT = "of the joint"  # ends its resistance, which stands in the line of the answer
 _DECIDED, _NOT_DECIDED = "decided", "not decided"  # of a yes or no
 _OF_YIELD = (  # numbers of a load, or of the surface, that tell whether a body yields
     *("volume_above_yield", "load_share_above_hardness", "area_share_above_hardness", "hardness"),
@@ -218,7 +219,8 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell], *, alone
             verdict = "" if cell.outcome == cells[0].outcome else VERDICTS.get(cell.outcome, "")
             known = [*details, *known, verdict]
         else:  # the interval alone; beside a yes or no the number behind it
-            known = [*(part.split(", ")[0] if subject else part for part in details[:1]), *known]
+            totals = [part for part in details[1:] if part.endswith(_OF_JOINT) and not allowed]
+            known = [*(part.split(", ")[0] if subject else part for part in details[:1]), *known, *totals]
         precision = ", ".join(filter(None, known))
         words.append(f"{subject}{cell.text}{f' ({precision})' if precision else ''}")
     line = "; ".join([f"at {cells[0].text}: {', '.join(words)}", *repeated])
@@ -421,6 +423,9 @@ def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
                 cell = interval_cell(numbers, resistance, units, index)
                 has_interval = main.details != _NO_INTERVAL
                 details.append(_unbroken(numbers, resistance, units, index) if has_interval else cell.text)
+            total = f"total_{'electrical' if name.startswith('electrical') else 'thermal'}_resistance"
+            if "joint_area" in numbers and total in numbers:
+                details.append(f"{_unbroken(numbers, total, units, index)} {_OF_JOINT}")
             remarks = [main.remark]
             if assumption and main.precision and f"{_PROPERTIES[assumption]}_lower" not in numbers:
                 remarks.append(f"{assumption} taken as exact")
