@@ -129,7 +129,14 @@ NO_NUMBER |= {
 NO_NUMBER |= {"worn_volume", "max_worn_depth", "time_error_bound", "wear_steps", "running_in_distance"}
 NO_NUMBER |= {"sliding_distance"}
 # of sliding rubber, in a dataset of its own
-NO_NUMBER |= {"speed", "octave_wavelength", "contacts_solved", "shear_strength", "hysteretic_friction_bound"}
+NO_NUMBER |= {
+    "speed",
+    "direction",
+    "octave_wavelength",
+    "contacts_solved",
+    "shear_strength",
+    "hysteretic_friction_bound",
+}
 NO_NUMBER |= {name for name in VARIABLES if "friction_" in name}
 # what a user allows, totals of an area or perimeter of his, and the materials'
 NO_NUMBER |= {name for name in VARIABLES if name.startswith(("allowed_", "total_"))}
