@@ -7,8 +7,8 @@ is the verdict on contact area and pressure in contact. The checks and their lim
 `contact_checks`, `map_checks` and `instrument_checks`.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, cast
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,6 +23,7 @@ from roughcontact.statistics.kinds import numbers_of_kind
 from roughcontact.statistics.local_scale import local_scale
 from roughcontact.statistics.map_checks import FILLED_IN_CONTACT, REJECTED_LOAD, Attributes
 from roughcontact.statistics.outcome import Check, CheckName
+from roughcontact.statistics.selected_loads import SelectedLoads, Statistics
 
 # what a check puts in doubt, where that is not every answer
 _SHORT_WAVES = ("relative_contact_area", "mean_contact_pressure", "yield", "max_pressure", "conductance")
@@ -49,7 +50,7 @@ _IN_THE_INTERVAL: dict[str, str] = {
 
 
 def surface_checks(
-    statistics: xr.Dataset, *, height: Attributes, levelled: Attributes, window: Attributes, points: int
+    statistics: Statistics, *, height: Attributes, levelled: Attributes, window: Attributes, points: int
 ) -> list[Check]:
     """Return the checks of one surface under one case, in the order of the report.
 
@@ -108,7 +109,7 @@ def surface_checks(
     ]
 
 
-def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
+def _noted(check: Check, statistics: Statistics, window: Attributes) -> Check:
     """Return a warning as a note where the interval includes what it says, or the settings ask for it."""
     limits: dict[str, Callable[[Attributes], bool]] = {
         CheckName.NOISE: instrument_checks.is_mostly_noise,
@@ -164,7 +165,7 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
     return flags
 
 
-def window_checks(statistics: "xr.Dataset | _OfLoads", window: xr.DataArray) -> list[Check]:
+def window_checks(statistics: Statistics, window: xr.DataArray) -> list[Check]:
     """Return the checks (`surface_checks`) of a window that has the attributes of the maps it comes from.
 
     Parameters
@@ -178,29 +179,8 @@ def window_checks(statistics: "xr.Dataset | _OfLoads", window: xr.DataArray) -> 
     -------
     list of Check
     """
-    attrs, statistics = window.attrs, cast("xr.Dataset", statistics)
+    attrs = window.attrs
     return surface_checks(statistics, height=attrs, levelled=attrs, window=attrs, points=window.size)
-
-
-class _OfLoads(Mapping[str, xr.Variable]):
-    """Some loads of a dataset as bare variables: a dataset finds and cuts one in twenty times as long."""
-
-    def __init__(self, statistics: xr.Dataset, loads: list[int] | int):
-        self._statistics, self._loads = statistics, loads
-        self.attrs, self.sizes = statistics.attrs, {**statistics.sizes, "load": np.size(loads)}
-
-    def __getitem__(self, name: str) -> xr.Variable:
-        variable = self._statistics.variables[name]
-        return variable[{"load": self._loads}] if "load" in variable.dims else variable
-
-    def __iter__(self) -> Iterator[str]:
-        return map(str, self._statistics.variables)
-
-    def __len__(self) -> int:
-        return len(self._statistics.variables)
-
-    def isel(self, *, load: int) -> "_OfLoads":
-        return _OfLoads(self._statistics, np.atleast_1d(self._loads)[load])
 
 
 def add_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
@@ -224,8 +204,8 @@ def add_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     """
     # each load by itself for its verdict, all together for the sentences
     loads = range(statistics.sizes["load"])
-    by_load = [window_checks(_OfLoads(statistics, [load]), window) for load in loads]
-    together = window_checks(_OfLoads(statistics, [*loads]), window)
+    by_load = [window_checks(SelectedLoads(statistics, [load]), window) for load in loads]
+    together = window_checks(SelectedLoads(statistics, [*loads]), window)
     grades = list(outcome.VERDICTS)
     words = [outcome.VERDICTS[outcome.worst_result(checks)] for checks in by_load]
     texts = [[outcome.reason_text(check) for check in outcome.not_passed(checks)] for checks in by_load]

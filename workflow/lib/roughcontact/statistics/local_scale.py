@@ -1,15 +1,15 @@
 """The check of a form wider than its map, each place of which has the contact of the map."""
 
 import numpy as np
-import xarray as xr
 
 from roughcontact.arguments.quantities import percent, quantity
 from roughcontact.statistics.outcome import Check, noted, review
+from roughcontact.statistics.selected_loads import Statistics
 
 _ROUGHNESS_OF_FORM = 0.05  # rms height over Hertz's approach
 
 
-def local_scale(statistics: xr.Dataset) -> Check | None:
+def local_scale(statistics: Statistics) -> Check | None:
     """Check that the rms height is below 0.05 of the approach of a form (Johnson 1985, section 13.5)."""
     if "local_contact_area" not in statistics:
         return None
