@@ -11,6 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from roughcontact.arguments.measurement import json_attribute, json_attributes
+from roughcontact.arguments.settings.stages import AFTER, stages_after
 from roughcontact.errors import RoughContactError
 from roughcontact.report.page import write_report
 from roughcontact.results import collect
@@ -22,13 +23,6 @@ from roughcontact.uncertainty.groups import group_statistics, needed_for_groups
 
 # comparisons by the names of what is compared, and a sentence for each that cannot be made
 Comparisons = tuple[dict[tuple[str, str], xr.Dataset], list[str]]
-
-# files of a surface -> section and key of the settings that ask for them
-_ON_REQUEST = {
-    "residual.nc": ("contact", "unload"),
-    "worn.nc": ("wear", "coefficient"),
-    "sliding.nc": ("sliding", "speed"),
-}
 
 
 def write_results(
@@ -55,9 +49,8 @@ def write_results(
     remove_earlier(folder)
     for entry in finished:
         of_case = settings if entry["case"] is None else settings[entry["case"]]
-        for file, (section, key) in _ON_REQUEST.items():
-            if of_case.get(section, {}).get(key) is None:  # of an earlier run
-                collect.file_of(entry, file).unlink(missing_ok=True)
+        for stage in AFTER.keys() - stages_after(of_case):  # of an earlier run
+            collect.file_of(entry, f"{stage}.nc").unlink(missing_ok=True)
     statistics = collect.collect_statistics(finished)
     attrs = provenance(settings_of_statistics, source_sha256=statistics.source_sha256, stage="statistics")
     if failures:

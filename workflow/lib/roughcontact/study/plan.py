@@ -15,7 +15,14 @@ from typing import Any, Literal, NamedTuple
 from roughcontact.arguments.bodies import relaxation_table
 from roughcontact.arguments.settings.generated import changed_settings
 from roughcontact.arguments.settings.messages import NAME
-from roughcontact.arguments.settings.stages import SECTIONS, origin_id, owner, stage_settings
+from roughcontact.arguments.settings.stages import (
+    AFTER,
+    SECTIONS,
+    origin_id,
+    owner,
+    stage_settings,
+    stages_after,
+)
 from roughcontact.arguments.stacks import located_materials
 from roughcontact.study.surfaces import Placement, Surface, measured, placements, same_area_pairs
 
@@ -34,7 +41,7 @@ Rule = Literal[
 ]
 
 # the stages whose files a rule writes; a case runs it where it differs in the settings of the decisive one
-STAGES: dict[str, tuple[str, ...]] = {
+STAGES: dict[Rule, tuple[str, ...]] = {
     "prepare": ("height", "levelled", "window"),
     "prepare_with_overview": ("height", "levelled", "window", "overview"),
     "prepare_face": ("height", "levelled"),
@@ -48,12 +55,6 @@ STAGES: dict[str, tuple[str, ...]] = {
 }
 _DECISIVE = dict.fromkeys(("prepare", "prepare_with_overview", "superpose"), "window")
 _DECISIVE |= {"prepare_face": "levelled", "contact": "contact"}
-# rules that run only where settings ask for them
-_FURTHER: dict[Rule, Callable[[Mapping[str, Any]], bool]] = {
-    "unload": lambda settings: settings["contact"]["unload"] is not None,
-    "wear": lambda settings: bool(settings["wear"]["coefficient"]),
-    "slide": lambda settings: bool(settings["sliding"]["speed"]),
-}
 _NOT_OF_ALL = ("counter_height", "overview")  # files that only some surfaces have
 NO_NAME = "(?!)"  # the pattern that no name matches
 
@@ -168,14 +169,13 @@ class Plan:
         """The folders of all results of the run, case by case."""
         return [_result(case, surface) for case in self.cases for surface in self.solved]
 
-    def further(self, case: str) -> list[Rule]:
-        """Return the rules that a case asks for beside those of every study."""
-        return [rule for rule, is_asked in _FURTHER.items() if is_asked(self.cases[case])]
+    def further_rules(self, case: str) -> list[Rule]:
+        """Return the rules that the settings of a case ask for, beside those of every study."""
+        return [rule for rule in STAGES if {*STAGES[rule]} & {*stages_after(self.cases[case])}]
 
     def further_files(self, result: str) -> list[str]:
         """Return the paths of what these rules write for a result."""
-        stages = [stage for rule in self.further(split(result)[0]) for stage in STAGES[rule]]
-        return [f"results/{result}/{stage}.nc" for stage in stages]
+        return [f"results/{result}/{stage}.nc" for stage in stages_after(self.cases[split(result)[0]])]
 
     def row(self, surface: str) -> Surface:
         """Return the row of the table from which a surface comes, or the measured file of a face."""
@@ -192,8 +192,8 @@ class Plan:
         cases = [case for case in self.cases if stage is None or owners[case, stage] == case]
         if rule == "statistics":
             cases = [case for case in self.cases if owners[case, "contact"] != case]
-        if rule in _FURTHER:
-            cases = [case for case in self.cases if rule in self.further(case)]
+        if {*STAGES.get(rule, ())} & {*AFTER}:
+            cases = [case for case in self.cases if rule in self.further_rules(case)]
         pairs = regex_of_names(dict.fromkeys(placement.pair for placement in self.placements.values()))
         last = max((placement.number for placement in self.placements.values()), default=0)
         face = f"{pairs}-(?:counter-)?face"
@@ -375,7 +375,7 @@ class Plan:
             case, _ = split(folder)
             jobs.append(("contact" if self._owners[case, "contact"] == case else "statistics", folder))
         jobs.append(("statistics" if self.other_case("contact", result) else "contact", result))
-        jobs += [(rule, result) for rule in ("panel", *self.further(split(result)[0]))]
+        jobs += [(rule, result) for rule in ("panel", *self.further_rules(split(result)[0]))]
         return list(dict.fromkeys(jobs))
 
     def expected(self, points: Callable[[str], int]) -> dict[tuple[Rule, str], tuple[float, int]]:

@@ -19,19 +19,27 @@ SECTIONS: dict[str, tuple[str, ...]] = {
     "uncertainty": ("level", "window", "contact", "uncertainty", "instrument"),
     "statistics": ("level", "window", "contact", "uncertainty", "instrument", "statistics"),
 }
-_AFTER = {  # sections of files that follow the contact, which no other case shares
-    "residual": ("level", "window", "contact", "statistics"),
-    "worn": ("level", "window", "contact", "statistics", "wear", "instrument"),
-    "sliding": ("level", "window", "contact", "statistics", "sliding", "instrument"),
+# files that follow the contact, which no other case shares: the setting that asks for each, and its sections
+AFTER = {
+    "residual": ("contact", "unload", ("level", "window", "contact", "statistics")),
+    "worn": ("wear", "coefficient", ("level", "window", "contact", "statistics", "wear", "instrument")),
+    "sliding": ("sliding", "speed", ("level", "window", "contact", "statistics", "sliding", "instrument")),
 }
 
 
+def stages_after(settings: Mapping[str, Any]) -> list[str]:
+    """Return the stages after the contact that settings ask for."""
+    return [
+        stage for stage, (section, key, _) in AFTER.items() if settings.get(section, {}).get(key) is not None
+    ]
+
+
 def stage_settings(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
-    """Return the settings (section -> settings) on which a stage depends, those of `_AFTER` as well."""
+    """Return the settings (section -> settings) on which a stage depends, those of `AFTER` as well."""
     # without its maps the contact and its numbers are one job
     if stage == "contact" and not settings["contact"]["keep_fields"]:
         stage = "statistics"
-    sections = _AFTER.get(stage) or SECTIONS[stage]
+    sections = AFTER[stage][-1] if stage in AFTER else SECTIONS[stage]
     if "window" in sections and settings["instrument"]["correct"]:  # the window is corrected by it
         sections = tuple(dict.fromkeys([*sections, "instrument"]))
     subset = {section: settings[section] for section in sections}
