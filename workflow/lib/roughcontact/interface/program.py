@@ -361,22 +361,20 @@ def _read_arguments(options: argparse.Namespace) -> dict[str, Any]:
 def _inspect(options: argparse.Namespace) -> int:
     """Print the contents of each file, of those in a folder a line; what cannot be read is reported."""
     from roughcontact.interface.command_line.describe import as_json, inspection, overview
-    from roughcontact.interface.command_line.folders import is_folder, list_measurements
-    from roughcontact.io.inspection import inspect_file
+    from roughcontact.interface.command_line.folders import contents_of, is_folder, list_measurements
 
     contents_of_files: list[dict[str, Any]] = []
-    code = 0
+    code, arguments = 0, _read_arguments(options)
     for file in options.files:
         if is_folder(file):
-            folder_contents = [_contents(path, options) for path in list_measurements(Path(file))[0]]
+            folder_contents = [contents_of(path, **arguments) for path in list_measurements(Path(file))[0]]
             contents_of_files += folder_contents
             if not options.json:
                 print(overview(folder_contents, file))
             continue
-        try:
-            contents = inspect_file(file, **_read_arguments(options))
-        except RoughContactError as error:
-            code = _failed(error, 2)
+        contents = contents_of(file, **arguments)
+        if contents["format"] is None:
+            code = _failed(contents["problem"], 2)
             continue
         contents_of_files.append(contents)
         if not options.json:
@@ -384,16 +382,6 @@ def _inspect(options: argparse.Namespace) -> int:
     if options.json:
         print(as_json(contents_of_files))
     return code
-
-
-def _contents(path: Path, options: argparse.Namespace) -> dict[str, Any]:
-    """Return the contents of a file of a folder, of one that cannot be read its name and the reason."""
-    from roughcontact.io.inspection import inspect_file
-
-    try:
-        return inspect_file(path, **_read_arguments(options))
-    except RoughContactError as error:
-        return {"file": path.name, "format": None, "map": None, "problem": str(error), "warnings": []}
 
 
 def _solve(options: argparse.Namespace) -> int:

@@ -61,6 +61,8 @@ def run_workflow(arguments: Sequence[str]) -> int:
         command += ["--logger", "roughcontact"]
     # as in the default profile, which Snakemake would announce each time
     command += ["--rerun-incomplete", "--keep-going"]
+    # the other one starts a process for each choice, to weigh temporary files, of which there are none
+    command += ["--scheduler", "greedy"]
     if not any(option.split("=")[0] in _PROFILES for option in arguments):
         command += ["--workflow-profile", "none"]
         if sys.platform == "linux":  # elsewhere libraries do not survive a fork

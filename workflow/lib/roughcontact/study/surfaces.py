@@ -152,15 +152,6 @@ class Surface:
         )
         return replace(self, faces=faces)
 
-    def placements(self, count: int) -> dict[str, Placement]:
-        """Return so many relative positions of the files by name, none of a single one."""
-        face, *partners = (file.name for file in self.files())
-        return {
-            f"{self.name}-{number}": Placement(self.name, number, face, counter_face)
-            for counter_face in partners
-            for number in range(1, count + 1)
-        }
-
 
 def column_meaning(name: str) -> str:
     """Return the sentence of a column of the table, in the words of the options of the program or its own.
@@ -235,6 +226,11 @@ def read_surfaces(
                 {**entry, "path": str(find(entry["path"], folders) or entry["path"]), **shared}
                 for entry in overviews
             ]
+            doubts += [
+                (OVERVIEW, f"{OVERVIEW} = {path}: is the map itself; name the file of the larger field")
+                for path in (entry["path"] for entry in read_arguments[OVERVIEW])
+                if Path(path) == paths.get("path")
+            ]
         surface = Surface(
             row.get("surface", ""),
             paths.get("path", Path()),
@@ -250,7 +246,6 @@ def read_surfaces(
         if row.get(TILES):
             cuts[surface.name] = row[TILES]
         mistakes += [in_cell(surface, *wrong) for wrong in (*doubts, *(check(surface) if check else ()))]
-    mistakes += _mistakes_in_overviews(surfaces)
     mistakes += _mistakes_in_areas(surfaces)
     mistakes += _mistakes_in_tiles(surfaces, cuts)
     mistakes += _mistakes_in_profiles_along(surfaces)
@@ -273,7 +268,12 @@ def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
 
 def placements(surfaces: Mapping[str, Surface], count: int) -> dict[str, Placement]:
     """Return the placements of all pairs, name -> Placement, with `count` placements of each pair."""
-    return {name: place for row in surfaces.values() for name, place in row.placements(count).items()}
+    return {
+        f"{row.name}-{number}": Placement(row.name, number, *(face.name for face in row.faces))
+        for row in surfaces.values()
+        if row.faces
+        for number in range(1, count + 1)
+    }
 
 
 def _names_of_faces(
@@ -555,15 +555,6 @@ def same_area_pairs(surfaces: Mapping[str, Surface]) -> list[tuple[str, str]]:
         for earlier in (row.repeat_of, row.before)
         if earlier
     ]
-
-
-def _mistakes_in_overviews(surfaces: Mapping[str, Surface]) -> Iterator[SettingsError]:
-    """Yield what is wrong with the coarser maps around others."""
-    for row in surfaces.values():
-        for file in row.read_arguments.get(OVERVIEW, ()):
-            if Path(file["path"]) == row.path:
-                text = f"{OVERVIEW} = {file['path']}: is the map itself; name the file of the larger field"
-                yield in_cell(row, OVERVIEW, text)
 
 
 def _mistakes_in_areas(surfaces: Mapping[str, Surface]) -> list[SettingsError]:

@@ -1,9 +1,11 @@
 """Files of a folder that can be measurements."""
 
 from pathlib import Path
+from typing import Any
 
-from roughcontact.errors import InputFileError
+from roughcontact.errors import InputFileError, RoughContactError
 from roughcontact.io.guards import naming
+from roughcontact.io.inspection import inspect_file
 from roughcontact.io.registry import recognised
 from roughcontact.io.text.table import split_header
 
@@ -21,6 +23,20 @@ def is_folder(path: str | Path) -> bool:
         return Path(path).is_dir()
     except OSError:
         return False
+
+
+def contents_of(path: str | Path, **arguments: Any) -> dict[str, Any]:
+    """Return what `inspect_file` says of a file, of one that cannot be read its name and the reason."""
+    try:
+        return inspect_file(path, **arguments)
+    except RoughContactError as error:
+        return {
+            "file": Path(path).name,
+            "format": None,
+            "map": None,
+            "problem": str(error),
+            "warnings": [],
+        }
 
 
 def list_measurements(folder: Path) -> tuple[list[Path], list[Path]]:

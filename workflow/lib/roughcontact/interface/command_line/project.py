@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.errors import SettingsError
-from roughcontact.interface.command_line.folders import is_folder, list_measurements
+from roughcontact.interface.command_line.folders import contents_of, is_folder, list_measurements
 
 _MAX_STEM_LENGTH = 56  # letters of a name made of that of a file; a number may follow
 _FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
@@ -74,18 +74,8 @@ def write_project(
 
 def problems(files: Sequence[str | Path]) -> list[tuple[str, str]]:
     """Return the files that cannot be read as they are, each with what has to be given, or is wrong."""
-    from roughcontact.errors import RoughContactError
-    from roughcontact.io.inspection import inspect_file
-
-    wrong = []
-    for file in map(str, files):
-        try:
-            problem = inspect_file(file)["problem"]
-        except RoughContactError as error:
-            problem = str(error)
-        if problem:
-            wrong.append((file, problem.removeprefix(f"{file}: ")))
-    return wrong
+    found = [(file, contents_of(file)["problem"]) for file in map(str, files)]
+    return [(file, problem.removeprefix(f"{file}: ")) for file, problem in found if problem]
 
 
 def collect_files(paths: Sequence[str]) -> tuple[list[str], list[str]]:
