@@ -274,21 +274,23 @@ def test_pitches_that_changed_places_rerun_that_surface(finished):
 
 
 @pytest.mark.parametrize(
-    ("module", "expected"),
+    ("file", "expected"),
     [
         ("surface/levelling/level.py", FROM_PREPARE),
         ("contact/solve.py", FROM_CONTACT),
         ("uncertainty/discretisation.py", FROM_CONTACT),
         ("report/page.py", {"report": 1}),
         ("report/panel.py", DRAWN),
+        ("report/templates/panel.html", DRAWN),
+        ("arguments/tables.tsv", DRAWN),
         ("io/readers/npy.py", OF_ONE),
         ("io/readers/sdf.py", {}),
         ("arguments/settings/models.py", {}),
     ],
 )
-def test_an_edited_module_reruns_what_depends_on_it(finished, checkout, module, expected):
-    path = checkout / "workflow/lib/roughcontact" / module
-    with edited(path, '"""', '"""Edited. '):
+def test_an_edited_file_of_the_package_reruns_what_depends_on_it(finished, checkout, file, expected):
+    path = checkout / "workflow/lib/roughcontact" / file
+    with edited(path, "\n", "\n\n"):
         assert finished.jobs() == expected
 
 
