@@ -56,16 +56,16 @@ def worn_in_a_run(
         **options: Any,
     ) -> xr.Dataset:
         """Return the course on a face, with inputs so many times as large."""
-        stated: dict[str, Any] = {"mean_pressure": mean_pressure * load}
+        inputs: dict[str, Any] = {"mean_pressure": mean_pressure * load}
         if contact["bodies"]:
-            stated["bodies"] = stiffer(contact["bodies"], contact_modulus)
+            inputs["bodies"] = stiffer(contact["bodies"], contact_modulus)
         else:
-            stated["contact_modulus"] = contact_modulus * contact["contact_modulus"]
+            inputs["contact_modulus"] = contact_modulus * contact["contact_modulus"]
         if contact["hardness"]:
-            stated["hardness"] = hardness * contact["hardness"]
+            inputs["hardness"] = hardness * contact["hardness"]
             if hardness != 1 or mean_pressure != 1:  # a contact of which all yields carries no more
-                stated["mean_pressure"] = min(
-                    stated["mean_pressure"], (1 - 2 * NEAR_HARDNESS) * stated["hardness"]
+                inputs["mean_pressure"] = min(
+                    inputs["mean_pressure"], (1 - 2 * NEAR_HARDNESS) * inputs["hardness"]
                 )
         return run_in(
             face,
@@ -74,7 +74,7 @@ def worn_in_a_run(
             influence=contact["influence"],
             zero_frequency=contact["zero_frequency"],
             threads=threads,
-            **stated,
+            **inputs,
             **options,
         )
 

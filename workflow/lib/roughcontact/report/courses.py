@@ -123,17 +123,17 @@ def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
     first = int(np.argmax([way[FRICTION].item() for way in highest]))
     course, speed = ways[first], over["speed"].values
     x_axis = log_axis("sliding speed v (m/s)", speed, room=1.3)
-    named = [f", {way['direction'].item():g}°" if len(ways) > 1 else "" for way in ways]
+    way_labels = [f", {way['direction'].item():g}°" if len(ways) > 1 else "" for way in ways]
     curves = {
         f"hysteresis, as solved{name}": interval_values(way, FRICTION)
-        for way, name in zip(ways, named, strict=True)
+        for way, name in zip(ways, way_labels, strict=True)
     }
     curves |= {label: [course[name].values] for name, label in _FRICTIONS.items() if name in over}
     charts = {
         "coefficient of friction over the speed": curves_chart(
             x_axis, speed, "coefficient of friction μ", curves
         ),
-        f"pressure at {highest[first]['speed'].item():.3g} m/s{named[first]}": pressure_map(
+        f"pressure at {highest[first]['speed'].item():.3g} m/s{way_labels[first]}": pressure_map(
             xr.zeros_like(highest[first]["pressure"]), highest[first]["pressure"].values
         ),
         "share of the friction by wavelength": _octaves(highest[first]),

@@ -141,8 +141,8 @@ def sliding_friction(
             {"pressure": (("y", "x"), pressure.copy()), "gap": (("y", "x"), gap)}, window.coords
         )
         if seal is not None:
-            closed = np.where(pressure > 0, 0.0, gap)
-            flow = flow_columns(closed, spacing(window)) | percolation_columns(closed)
+            gap_outside = np.where(pressure > 0, 0.0, gap)
+            flow = flow_columns(gap_outside, spacing(window)) | percolation_columns(gap_outside)
             row |= {name: float(leak) for name, leak in leak_columns(row[GAP], flow, **seal).items()}
         if strength is not None:
             row[_BY_AREA] = strength * row[AREA] / load
@@ -182,9 +182,9 @@ def sliding_friction(
 
 def _directions(direction: Any) -> list[float]:
     """Return the angles (degree) of one direction, several, or both ways."""
-    stated = BOTH_WAYS if isinstance(direction, str) and direction == "both ways" else direction
+    ways = BOTH_WAYS if isinstance(direction, str) and direction == "both ways" else direction
     try:
-        angles = np.array(stated, float).ravel().tolist()
+        angles = np.array(ways, float).ravel().tolist()
     except (TypeError, ValueError):
         angles = []
     if not angles or not np.isfinite(angles).all() or len({*angles}) < len(angles):
