@@ -126,7 +126,7 @@ def read_height_map(
     with naming(path):
         height = _read(path, request)
     return height.assign_attrs(
-        **request.attributes(),
+        **({} if request.lay is None else {"lay": request.lay}),
         **Instrument(**{key: float(value) for key, value in (instrument or {}).items()}).attributes(),
     )
 

@@ -14,12 +14,12 @@ from roughcontact.io.vocabulary import rows_of
 
 #: Options of commands that say what is missing in a file -> what they are.
 FILE_OPTIONS = dict(rows_of("options.tsv"))
-_CHOICES = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow}
 _CHECKS: dict[str, Callable[[Any], object]] = {
-    **{name: partial(check_choice, name, choices=words) for name, words in _CHOICES.items()},
+    "resample": partial(check_choice, "resample", choices=Resampling),
+    "checksum": partial(check_choice, "checksum", choices=Checksum),
+    "first_row": partial(check_choice, "first_row", choices=FirstRow),
     "lay": check_lay,
 }
-_KEPT = ("lay",)
 
 
 @dataclass(frozen=True)
@@ -55,10 +55,6 @@ class Request:
     def has_steps(self, shape: tuple[int, int]) -> bool:
         """Return whether the user gives all steps of a map, or of a profile, of a shape (ny, nx)."""
         return self.dx is not None and (self.dy is not None or shape[0] == 1)
-
-    def attributes(self) -> dict[str, Any]:
-        """Return those of the arguments that the map keeps as attributes."""
-        return {name: value for name in _KEPT if (value := getattr(self, name)) is not None}
 
 
 def _is_empty(value: object) -> bool:
