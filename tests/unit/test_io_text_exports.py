@@ -455,6 +455,11 @@ def test_dates_beside_a_profile(read, date, separator, is_first):
     )
 
 
+def test_the_label_of_the_unit_of_y_is_that_of_the_heights_of_labview(read):
+    head = "LabVIEW Measurement\nY_Unit_Label\tnm\t\nX_Unit_Label\tm\t\nX_Value\tHeight\n"
+    holds(read(head + trace("\t", (1e-6 * X, Z))), 1e-9 * Z[None], 0.5e-6, rtol=1e-14)
+
+
 def test_labelled_parameters_above_a_table_are_no_rows(read):
     markers = "Marker 1;0.5;1.5\nMarker 2;1.5;2.5\n"
     assert_trace(read(f"{markers}x [mm];z [µm]\n{trace()}"))
