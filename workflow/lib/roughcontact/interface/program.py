@@ -443,11 +443,11 @@ def _init(options: argparse.Namespace) -> int:
     files, omissions = collect_files(options.files)
     groups: dict[str, str] = {}  # file -> name
     for name, *paths in options.group:
-        of_group, left_out = collect_files(paths) if paths else (files, [])
-        if twice := sorted(groups.keys() & {*of_group}):
-            raise SettingsError(f"--group {name}: {twice[0]} is in {groups[twice[0]]} already")
+        of_group, others_in_folder = collect_files(paths) if paths else (files, [])
+        if duplicates := sorted(groups.keys() & {*of_group}):
+            raise SettingsError(f"--group {name}: {duplicates[0]} is in {groups[duplicates[0]]} already")
         groups |= dict.fromkeys(of_group, name)
-        omissions += left_out
+        omissions += others_in_folder
     files = list(dict.fromkeys([*files, *groups]))
     contact: dict[str, Any] = {"bodies": parse_bodies(options.body)} if options.body else {}
     contact |= {name: value for name in ("mean_pressure", "force") if (value := getattr(options, name))}

@@ -341,10 +341,10 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     if (reason := reason_without_flow(numbers)) or not has_number(numbers, "gap_percolates_x"):
         return Cell(NOT_JUDGED, reason)
     decisions = {axis: gap_is_closed(numbers, axis)[index] for axis in "xy"}
-    passed = [axis for axis in "xy" if float(numbers[f"gap_percolates_{axis}"][index])]
+    open_axes = [axis for axis in "xy" if float(numbers[f"gap_percolates_{axis}"][index])]
     leaking = [
         axis
-        for axis in passed
+        for axis in open_axes
         if not interval_at(numbers, f"critical_constriction_{axis}", index)[0]
         <= closed_opening(numbers, axis)[index]
     ]
@@ -355,8 +355,8 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     undecided = [axis for axis in judged if np.isnan(decisions[axis])]
     precision = "" if len(judged) < 2 else _NOT_DECIDED if undecided else _DECIDED
     axes_shown = [axis for axis in "xy" if axis in is_open + undecided]
-    details = [] if is_open or passed else ["gap closed along x and y"]
-    if not is_open and passed and not undecided:
+    details = [] if is_open or open_axes else ["gap closed along x and y"]
+    if not is_open and open_axes and not undecided:
         details.append(f"leaks less than {units['leak_rate_x'].text(TIGHT)}, which counts as nothing")
     for sentence, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
         if axes_shown and has_number(numbers, f"{name}_x"):

@@ -233,9 +233,9 @@ def holding_in_words(results: Mapping[str, xr.Dataset]) -> list[str]:
     >>> holding_in_words({"ground": seal, "turned": seal})
     ['leak of at most 3.60 ml/h: holds for all 2']
     """
-    first, *_ = results.values()
+    reference, *_ = results.values()
     sentences = []
-    for name in stated_allowed(first):
+    for name in stated_allowed(reference):
         if any(f"{name}_holds" not in data for data in results.values()):
             continue
         if len({float(data[f"allowed_{name}"]) for data in results.values()}) > 1:
@@ -243,13 +243,15 @@ def holding_in_words(results: Mapping[str, xr.Dataset]) -> list[str]:
         surfaces: dict[str, list[str]] = {HOLDS: [], FAILS: [], NOT_DECIDED: []}
         for surface, data in results.items():
             surfaces[HOLDING.get(float(data[f"{name}_holds"][-1]), NOT_DECIDED)].append(surface)
-        words = [f"{word} for {_counted(names, len(results))}" for word, names in surfaces.items() if names]
-        limit = limit_in_words(first, name)
+        words = [
+            f"{word} for {_names_or_count(names, len(results))}" for word, names in surfaces.items() if names
+        ]
+        limit = limit_in_words(reference, name)
         sentences.append(f"{ALLOWED_VALUES[name].words} {limit}: {', '.join(words)}")
     return sentences
 
 
-def _counted(names: Sequence[str], total: int) -> str:
+def _names_or_count(names: Sequence[str], total: int) -> str:
     """Return the names of some of all surfaces, or how many they are."""
     if len(names) == total:
         return f"all {total}"
@@ -278,18 +280,19 @@ def surfaces_in_words(results: Mapping[str, xr.Dataset]) -> str:
         surfaces: dict[str, list[str]] = {}
         for surface, data in results.items():
             surfaces.setdefault(glance_rows(data, indices=[-1])[0][columns[0]].text, []).append(surface)
-        words = [f"{word} for {_counted(names, len(results))}" for word, names in surfaces.items()]
+        words = [f"{word} for {_names_or_count(names, len(results))}" for word, names in surfaces.items()]
         return f"{head}: {', '.join(words)}."
-    asked = [COLUMN_NAMES[column - 1] for column in columns]
-    name = next((name for name in asked if all(has_number(data, name) for data in results.values())), "")
+    answers = [COLUMN_NAMES[column - 1] for column in columns]
+    name = next((name for name in answers if all(has_number(data, name) for data in results.values())), "")
     if not name:
         return ""
     units = glance_units([*results.values()])
     values = [float(data[name][-1]) for data in results.values()]
     of_all = list(zip(results.items(), units, strict=True))
-    least, most = (of_all[int(place)] for place in (np.nanargmin(values), np.nanargmax(values)))
+    lowest, highest = (of_all[int(index)] for index in (np.nanargmin(values), np.nanargmax(values)))
     texts = [
-        f"{interval_cell(data, name, unit, -1).text} ({surface})" for (surface, data), unit in (least, most)
+        f"{interval_cell(data, name, unit, -1).text} ({surface})"
+        for (surface, data), unit in (lowest, highest)
     ]
     return f"{head}: {TITLES[name]} from {texts[0]} to {texts[1]}."
 

@@ -66,12 +66,12 @@ def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
     without_lay = float(np.asarray(numbers.get("Str", np.nan))) > LAY
     # with a lay, or where its direction is unknown, the lower of both limits
     has_islands = (value > CLOSED) & (_of_loads(numbers, f"{AREA}_upper") < OPEN_BELOW[without_lay])
-    mean, *ends = (_of_loads(numbers, f"{GAP}{suffix}") for suffix in ENDS)
-    least, most = (np.where(has_islands, value * end / mean, np.nan) for end in ends)
+    mean, *bounds = (_of_loads(numbers, f"{GAP}{suffix}") for suffix in ENDS)
+    lowest, highest = (np.where(has_islands, value * bound / mean, np.nan) for bound in bounds)
     closed_parts, open_parts = _shares(numbers, f"{name}_parts", limit)
-    yes = full | (np.fmin(upper, most) <= limit)
+    yes = full | (np.fmin(upper, highest) <= limit)
     yes |= (value <= limit) & (closed_parts >= 1 - _MAX_DIFFERENT)
-    no = (np.fmax(lower, least) > limit) | (has_islands & (limit <= CLOSED))
+    no = (np.fmax(lower, lowest) > limit) | (has_islands & (limit <= CLOSED))
     no |= (value > limit) & (open_parts >= 1 - _MAX_DIFFERENT)
     return _monotone(numbers, yes=yes, no=no)
 

@@ -65,16 +65,18 @@ def maps_for(
 
 def planning_line(statistics: xr.Dataset) -> str:
     """Return how many places of this size make what is asked for known to ± 10 %; empty if it is already."""
-    known = _known(statistics)
-    widths = {**known.widths}
+    subject = _subject(statistics)
+    widths = {**subject.widths}
     of_window = widths.pop("window", math.inf)
     # of a number known worse than to itself nobody plans a tenth
-    unplanned = known.half_width <= _PLANNED or (known.name in CONSTRICTIONS and not known.half_width < 1)
-    if not math.isfinite(of_window) or unplanned:
+    beyond_plans = subject.half_width <= _PLANNED or (
+        subject.name in CONSTRICTIONS and not subject.half_width < 1
+    )
+    if not math.isfinite(of_window) or beyond_plans:
         return ""
     shared_error = math.hypot(*widths.values())
-    of_windows = _half_widths_of_places(of_window, known)
-    if places := maps_for(_PLANNED, of_windows, shared_error, known.name):
+    of_windows = _half_widths_of_places(of_window, subject)
+    if places := maps_for(_PLANNED, of_windows, shared_error, subject.name):
         return f"{counted_noun(places, 'place')} of this size in all"
     if shared_error >= _PLANNED:
         largest = max(widths, key=widths.__getitem__)
@@ -124,9 +126,9 @@ def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
     whose contact area is nearest to 10 %. `overview` says whether a coarser map around this one can be
     measured, where there is none.
     """
-    known = _known(statistics)
-    half_width, widths = known.half_width, known.widths
-    if math.isnan(known.value) or half_width <= _NARROW:
+    subject = _subject(statistics)
+    half_width, widths = subject.half_width, subject.widths
+    if math.isnan(subject.value) or half_width <= _NARROW:
         return ""
     first_steps, advice = _advice(statistics)
     of_window = widths.get("window", 0.0)
@@ -134,10 +136,10 @@ def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
         return "; ".join([*first_steps, _LONGER_FIELD])
     if "window" in widths:
         shared_error = math.hypot(*(width for source, width in widths.items() if source != "window"))
-        advice["window"] = _more_places(known, shared_error, _half_widths_of_places(of_window, known))
-        if overview and known.name == AREA and f"{AREA}_alone_lower" not in statistics:
+        advice["window"] = _more_places(subject, shared_error, _half_widths_of_places(of_window, subject))
+        if overview and subject.name == AREA and f"{AREA}_alone_lower" not in statistics:
             promised = math.hypot(
-                shared_error, _by_the_bank(table()["overview_promise"], of_window, known.value)
+                shared_error, _by_the_bank(table()["overview_promise"], of_window, subject.value)
             )
             if promised < _WORTHWHILE * half_width:
                 text = f"{_OVERVIEW} (to about ± {percent(promised)})"
@@ -167,11 +169,11 @@ def _advice(statistics: xr.Dataset) -> tuple[list[str], dict[str, str]]:
     return [f"clean the summit at ({x}, {y})"], advice
 
 
-def _half_widths_of_places(of_window: float, known: "_Known") -> tuple[float, float]:
+def _half_widths_of_places(of_window: float, subject: "_Subject") -> tuple[float, float]:
     """Return the relative half-widths of the window of a map, and of another place."""
-    if known.name != AREA:  # of no other number the bank tells how those of other places differ
+    if subject.name != AREA:  # of no other number the bank tells how those of other places differ
         return of_window, of_window
-    return of_window, _by_the_bank(table()["groups"]["other_places"], of_window, known.value)
+    return of_window, _by_the_bank(table()["groups"]["other_places"], of_window, subject.value)
 
 
 def _by_the_bank(line: Sequence[float], of_window: float, area: float) -> float:
@@ -182,7 +184,7 @@ def _by_the_bank(line: Sequence[float], of_window: float, area: float) -> float:
     return slope * math.exp(constant) * (of_window / slope) ** power
 
 
-class _Known(NamedTuple):
+class _Subject(NamedTuple):
     """A number whose interval is to be halved: its relative half-width, and that of each source.
 
     It is infinite where nothing bounds it. That of a leak is three times that of its narrowest place, whose
@@ -197,49 +199,49 @@ class _Known(NamedTuple):
 
 def _asked_number(statistics: xr.Dataset) -> tuple[list[str], str]:
     """Return the names of the numbers of which one is asked for, and what they are in words."""
-    asked = [*names_asked(statistics)]
-    asked += [allowed.answer for name, allowed in ALLOWED_VALUES.items() if f"{name}_holds" in statistics]
+    answers = [*names_asked(statistics)]
+    answers += [limit.answer for name, limit in ALLOWED_VALUES.items() if f"{name}_holds" in statistics]
     for name, numbers, words in (
         ("sealing", [*CONSTRICTIONS], "leak"),
         *((name, [answer.quantity], answer.words) for name, answer in ANSWERS.items() if answer.quantity),
     ):
-        if name in asked and f"{numbers[0]}_components" in statistics:
+        if name in answers and f"{numbers[0]}_components" in statistics:
             return numbers, words
     return [AREA], ANSWERS[AREA].words
 
 
-def _known(statistics: xr.Dataset) -> _Known:
+def _subject(statistics: xr.Dataset) -> _Subject:
     """Return the number that is asked for, at the typical load; of both ways of a leak the less known one."""
     names, _ = _asked_number(statistics)
     if f"{names[0]}_components" not in statistics:
-        return _Known(names[0])
+        return _Subject(names[0])
     at_load = statistics.isel(load=_typical_load(statistics))
-    ways = [_known_at_load(at_load, name) for name in names]
-    return max(ways, key=lambda known: np.nan_to_num(known.half_width, nan=-1.0))
+    ways = [_subject_at_load(at_load, name) for name in names]
+    return max(ways, key=lambda subject: np.nan_to_num(subject.half_width, nan=-1.0))
 
 
-def _known_at_load(at_load: xr.Dataset, name: str) -> _Known:
+def _subject_at_load(at_load: xr.Dataset, name: str) -> _Subject:
     """Return a number at a load, not known where it has no value, as a leak through a closed gap."""
     value, lower, upper = (float(at_load[f"{name}{suffix}"]) for suffix in ENDS)
     if not value > 0:
-        return _Known(name)
+        return _Subject(name)
     power = 3.0 if name in CONSTRICTIONS else 1.0
     components = at_load[f"{name}_components"]
     is_unbounded = components.isnull().any("component").values
     widths = np.where(is_unbounded, np.inf, at_load[f"{name}_uncertainty"].values / value * power)
     by_source: dict[str, float] = dict(zip(at_load["source"].values, map(float, widths), strict=True))
     by_source = {source: by_source[source] for source in SOURCES if not math.isnan(by_source[source])}
-    return _Known(name, value, power * float(relative_half_width(value, lower, upper)), by_source)
+    return _Subject(name, value, power * float(relative_half_width(value, lower, upper)), by_source)
 
 
-def _more_places(known: _Known, shared_error: float, of_windows: Sequence[float]) -> str:
+def _more_places(subject: _Subject, shared_error: float, of_windows: Sequence[float]) -> str:
     """Return how many more maps of this size halve the interval."""
-    target = known.half_width / 2
+    target = subject.half_width / 2
     if shared_error >= target:
         target = math.hypot(shared_error, of_windows[0] / 2)
-    maps = maps_for(target, of_windows, shared_error, known.name)
+    maps = maps_for(target, of_windows, shared_error, subject.name)
     if maps is None:
         return "measure more places"
-    half_width = half_width_of_mean(of_windows, maps, shared_error, known.name)
+    half_width = half_width_of_mean(of_windows, maps, shared_error, subject.name)
     text = f" (their mean: to about ± {percent(half_width)})" if half_width < 1 else ""
     return f"measure {counted_noun(maps - 1, 'more place')} of this size{text}"
