@@ -1,6 +1,6 @@
 """Figures and tables of the error budget: the ± of each quantity by source, results by the shortest wave."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -52,7 +52,7 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
                 load,
                 number_text(numbers, AREA, share, index),
                 *(_contribution(100 * component, source) for source, component in components.items()),
-                _largest(components),
+                _SOURCE_LABELS.get(largest_source(numbers, AREA, index), "–"),
             ]
         )
     attempts = ["window"] if "window_reason" in numbers.attrs else []  # not known leaves the interval open
@@ -82,12 +82,6 @@ def _contribution(half_width: float, source: str) -> str:
     if half_width > 0:
         return f"± {number(half_width, digits=2)}"
     return "no pixel in doubt" if source == "solver" else "no difference"
-
-
-def _largest(components: Mapping[str, float]) -> str:
-    """Return the name of the source with the largest contribution, a dash where all is exact."""
-    available = {source: component for source, component in components.items() if component > 0}
-    return _SOURCE_LABELS[max(available, key=available.__getitem__)] if available else "–"
 
 
 def largest_parts(numbers: xr.Dataset) -> str:
