@@ -306,6 +306,27 @@ def test_energy_and_loaded_radius_are_those_of_the_pressure(share, rms_height):
     assert (contact["yielded_area"].item() > 0) == ((pressure >= 0.999 * contact["hardness"].item()).any())
 
 
+def test_a_ball_that_flows_throughout_is_a_disc_of_constant_pressure():
+    """Closed forms of Johnson (1985), section 3.4a: in the middle 2 H a/E*, at the edge 4 H a/(π E*)."""
+    modulus, radius, hardness, a = 1e11, 1e-3, 3e7, 60e-6
+    x = (np.arange(97) - 48) * 2e-6
+    contact = rc.solve_contact(
+        height_map(-(x[:, None] ** 2 + x**2) / (2 * radius), 2e-6),
+        **FREE | {"contact_modulus": modulus, "force": np.pi * a**2 * hardness},
+        hardness=hardness,
+    )
+    numbers = rc.contact_statistics(contact, flow="never")
+    map_area = (97 * 2e-6) ** 2
+    assert numbers["contact_area"].item() == pytest.approx(np.pi * a**2, rel=0.01)
+    assert contact["yielded_area"].item() * map_area == pytest.approx(np.pi * a**2, rel=0.01)
+    energy = 8 / 3 * hardness**2 * a**3 / modulus
+    assert numbers["elastic_energy"].item() * map_area == pytest.approx(energy, rel=1e-3)
+    assert numbers["loaded_radius"].item() == pytest.approx(3 * np.pi * a / 8, rel=1e-3)
+    approach = a**2 / (2 * radius) + 4 * hardness * a / (np.pi * modulus)
+    assert numbers["mutual_approach"].item() == pytest.approx(approach, rel=3e-3)
+    assert numbers["max_pressure"].item() == pytest.approx(hardness, rel=1e-9)
+
+
 def test_points_at_the_hardness_have_yielded_whatever_the_rounding():
     coordinate = (np.arange(41) - 20) * 2e-6
     ball = height_map(-(coordinate[:, None] ** 2 + coordinate**2) / 2e-3, 2e-6)
