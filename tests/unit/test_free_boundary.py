@@ -310,11 +310,16 @@ def test_forces_keep_their_order():
 
 def test_contact_at_the_border_is_refused_with_a_size():
     with pytest.raises(
-        rc.HeightMapError, match=r"border of the map, 1 m x 1 m.* a map of (1\.\d+) m"
+        rc.HeightMapError, match=r"border of the map, [\d.]+ m × [\d.]+ m, .* a map of (1\.\d+) m"
     ) as caught:
         rc.solve_contact(paraboloid(10.0, 10.0, 64), force=4 * 0.55**3 / 30, **STEEL)
     side = float(str(caught.value).partition("a map of ")[2].split(" m")[0])
     assert 1.1 < side < 1.5
+    # no side becomes smaller
+    words = "map, 1.00 m × 250 mm, .* a map of 1.10 m × 452 mm would do"
+    with pytest.raises(rc.HeightMapError, match=words):
+        strip = paraboloid(10.0, 10.0, 64).isel(y=slice(24, 40))
+        rc.solve_contact(strip, force=4 * 0.2**3 / 30, **STEEL)
     block = height_map(np.zeros((64, 64)), 1 / 64)
     with pytest.raises(rc.HeightMapError, match="surround it by lower heights"):
         rc.solve_contact(block, force=1e-3, **STEEL)

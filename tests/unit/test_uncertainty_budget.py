@@ -142,20 +142,6 @@ def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
     assert shown_budget(statistics.drop_dims("source")) is None
 
 
-@pytest.mark.parametrize(
-    ("value", "half_width", "text"),
-    [
-        (0.0413, 0.0021, "0.0413 ± 0.0021"),
-        (0.5, 0.0996, "0.50 ± 0.10"),
-        (123456.0, 2345.0, "123500 ± 2300"),
-        (-2.0, 0.5, "−2.00 ± 0.50"),
-        (3e-12, 1e-13, "3.00×10⁻¹² ± 1.0×10⁻¹³"),
-    ],
-)
-def test_a_value_has_as_many_places_as_its_uncertainty(value, half_width, text):
-    assert with_interval(value, value - half_width, value + half_width) == text
-
-
 def test_a_solution_that_is_counted_is_not_solved_again(maps, budget):
     """The budget from statistics is that of an own solution; the stiffness is more accurate in statistics."""
     statistics, inputs = [], []

@@ -80,15 +80,6 @@ def test_largest_rectangle_of_a_large_map_in_seconds():
         (484, 480),
         (101, 100),
         (17, 17),
-    ],
-)
-def test_friendly_sides(points, side):
-    assert friendly_sides(points)[points] == side
-
-
-@pytest.mark.parametrize(
-    ("points", "side"),
-    [
         (32, 32),
         (31, 31),  # up to 32 points any side is good
         (37, 36),
@@ -96,7 +87,7 @@ def test_friendly_sides(points, side):
         (500, 500),  # 0.0408 longer than 480, which halves twice as often: worth 0.0393
     ],
 )
-def test_halvings_against_points(points, side):
+def test_friendly_sides(points, side):
     assert friendly_sides(points)[points] == side
 
 

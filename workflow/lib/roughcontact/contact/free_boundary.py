@@ -243,10 +243,10 @@ class FreeBody:
         if min(curvatures) * max(sides) > 1e-9:  # a paraboloid fits
             radius = float(np.prod(curvatures) ** -0.5)
             contact_radius = (3 * force * radius / (4 * self.softest)) ** (1 / 3)
-            # a tenth wider than the contact, or than the map that was too small
-            side = max(2.2 * contact_radius, 1.1 * min(sides))
+            # a tenth wider than the contact, and than the map that was too small
+            larger = (quantity(max(2.2 * contact_radius, 1.1 * side), "m") for side in reversed(sides))
             advice = (
-                f"a map of {' × '.join([quantity(side, 'm')] * 2)} would do (a ball of its mean radius of "
+                f"a map of {' × '.join(larger)} would do (a ball of its mean radius of "
                 f"curvature, {quantity(radius, 'm')}, touches over {quantity(2 * contact_radius, 'm')}); or "
                 f"lower the force; where the body itself ends there, {remedy}; where roughness is small "
                 "against its form, form.local_scale with boundary: periodic"
