@@ -317,8 +317,8 @@ def test_contact_at_the_border_is_refused_with_a_size():
     assert 1.1 < side < 1.5
     # no side becomes smaller
     words = "map, 1.00 m × 250 mm, .* a map of 1.10 m × 452 mm would do"
+    strip = paraboloid(10.0, 10.0, 64).isel(y=slice(24, 40))
     with pytest.raises(rc.HeightMapError, match=words):
-        strip = paraboloid(10.0, 10.0, 64).isel(y=slice(24, 40))
         rc.solve_contact(strip, force=4 * 0.2**3 / 30, **STEEL)
     block = height_map(np.zeros((64, 64)), 1 / 64)
     with pytest.raises(rc.HeightMapError, match="surround it by lower heights"):
