@@ -12,7 +12,7 @@ from subprocess import DEVNULL, STDOUT, Popen, run
 from typing import Any
 
 from roughcontact.arguments.measurement import json_attribute
-from roughcontact.errors import SettingsError
+from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.interface.app import measurements
 from roughcontact.interface.app.study import check_within_study
 from roughcontact.interface.command_line.saving import EXPORTS
@@ -60,7 +60,7 @@ class Run:
         return {"running": self.running(), "code": code, "lines": lines, "bar": bar}
 
 
-def results(settings: Mapping[str, Any] | None) -> dict[str, tuple[Summary, bool]]:
+def results(settings: Mapping[str, Any] | None) -> dict[str, tuple[Mapping[str, Any], bool]]:
     """Return the summary of each result with a name that has settings, and whether it is of these.
 
     They are in the order of the table. Where no settings are known, all results are those of others.
@@ -71,8 +71,16 @@ def results(settings: Mapping[str, Any] | None) -> dict[str, tuple[Summary, bool
         panel = panels[name]
         made_with = _settings_of(panel.with_name("statistics.nc"), panel.stat().st_mtime_ns)
         wanted = None if settings is None else json.loads(json.dumps(settings[name]))
-        values[name] = read_summary(panel), made_with == wanted
+        values[name] = _summary(panel), made_with == wanted
     return values
+
+
+def _summary(panel: Path) -> Mapping[str, Any]:
+    """Return the summary of a result, of a damaged one, or of another version, what is wrong as answer."""
+    try:
+        return read_summary(panel)
+    except InputFileError as error:
+        return dict.fromkeys(Summary.__annotations__, "") | {"answer": str(error)}
 
 
 @cache
