@@ -27,6 +27,17 @@ def test_a_series_is_that_of_maxwell():
     np.testing.assert_allclose(rubber.contact_modulus(omega), [1e6, 3e6 + 2e6j, 3e6 - 2e6j])
 
 
+def test_times_and_moduli_may_have_units():
+    stated = {
+        "long_time_modulus": "3 MPa",
+        "moduli": ["10 MPa", "0.05 GPa", 2e8],
+        "times": ["10 ms", "100 µs", 1e-6],
+    }
+    omega = np.geomspace(1, 1e7, 9)
+    expected = relaxation_of(SERIES).contact_modulus(omega)
+    np.testing.assert_allclose(relaxation_of(stated).contact_modulus(omega), expected)
+
+
 def test_a_table_gives_back_its_material():
     rubber = relaxation_of(table())
     assert rubber.misfit < 0.01
@@ -169,6 +180,15 @@ def test_a_named_rubber_at_another_temperature():
     assert compound("EPDM 70 Shore A") == compound("epdm-70") != compound("dma.csv") == {}
 
 
+def test_lines_above_the_headings_are_told(tmp_path):
+    path = tmp_path / "dma.csv"
+    path.write_text("Sample: EPDM\nDate: 2026\nf (Hz),E' (MPa),E'' (MPa)\n1,3,0.3\n10,4,0.4\n100,5,0.5\n")
+    with pytest.raises(
+        SettingsError, match=r"dma.csv: not read as a table, whose headings stand in the first"
+    ):
+        relaxation_of(path)
+
+
 @pytest.mark.parametrize(
     ("relaxation", "text"),
     [
@@ -191,6 +211,11 @@ def test_a_named_rubber_at_another_temperature():
         (pd.DataFrame({"f": [1.0], "E'": [1e6]}), "no column 'loss_modulus'"),
         (pd.DataFrame({"f": [1.0], "E' (MPA)": [1.0], "E''": [1.0]}), "unit 'MPA'"),
         (table().head(2), "2 rows of numbers"),
+        (None, "relaxation = None: give a name, a table .path or DataFrame., or a mapping"),
+        (
+            SERIES | {"times": ["1 min", "1 fortnight", 1.0]},
+            "relaxation.times = '1 fortnight': unknown time unit",
+        ),
         (
             table() / (1, 1e6, 1e6),
             "'storage_modulus': has no unit, and 3.* Pa is softer than any rubber: state",

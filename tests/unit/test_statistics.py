@@ -501,7 +501,7 @@ def test_options_of_the_statistics_by_name_and_with_their_keys():
     np.testing.assert_array_equal(named["thermal_conductance"], expected)
     seal = {"viscosity": 1e-3, "pressure_difference": 1e5}
     for section, options, words in (
-        ("seal", seal, "seal has viscosity, pressure_difference: takes .*, width"),
+        ("seal", seal, "seal has viscosity, pressure_difference: takes .*; needs width"),
         ("seal", seal | {"length": 1e-2, "width": 1e-2}, "seal has .*length"),
         ("friction", {"friction_coefficient": 0.2}, "friction has friction_coefficient: takes coefficient, "),
         ("friction", {"coefficient": 0.2}, "friction.coefficient: needs the tangential_load or speed"),

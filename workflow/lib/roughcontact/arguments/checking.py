@@ -204,9 +204,9 @@ def check_keys(section: str, values: Mapping[str, Any] | None, function: Callabl
     required_names = {option.name for option in options if option.default is option.empty}
     names = [option.name for option in options]
     if values is not None and not required_names <= values.keys() <= {*names}:
-        raise SettingsError(
-            f"{section} has {', '.join(values) or 'no keys'}: takes {', '.join(names)}", keys=[section]
-        )
+        text = f"{section} has {', '.join(values) or 'no keys'}: takes {', '.join(names)}"
+        missing = ", ".join(name for name in names if name in required_names - values.keys())
+        raise SettingsError(text + (f"; needs {missing}" if missing else ""), keys=[section])
 
 
 def check_positive(name: str, value: Any, *, unit: str) -> float:

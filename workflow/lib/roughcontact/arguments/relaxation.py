@@ -37,6 +37,7 @@ _HEADINGS: dict[str, tuple[str, str, dict[str, str]]] = {
     r"(?i:e(''|″|\")|loss( modulus)?|verlustmodul)": ("loss_modulus", "Pa", {"": "Pa"}),
     r"T|(?i:temp\.?|temperatur|temperature)": ("temperature", "", {}),
 }
+_HEADED = ", whose headings stand in the first line that does not begin with #"
 _STEADY = 5.0  # K, within which a sweep is of one temperature
 _SOFTEST = 1e3  # Pa: a lower modulus without a unit is in MPa
 _SERIES = {"long_time_modulus": "Pa", "moduli": "Pa", "times": "s"}
@@ -157,13 +158,15 @@ def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
     [6.28, 3000000.0, 300000.0]
     """
     name = f" = {'the table' if isinstance(table, pd.DataFrame) else table}"
+    if not isinstance(table, str | Path | pd.DataFrame):
+        raise _refusal(f" = {table!r}: give a name, a table (path or DataFrame), or a mapping")
     if not isinstance(table, pd.DataFrame):
         try:
             table = _table_of_text(Path(table).read_text(encoding="utf-8-sig", errors="replace"))
         except (OSError, ValueError, IndexError) as error:
             raise _refusal(
-                f"{name}: not read as a table: {str(error).strip()}; headings stand in the first line that "
-                f"does not begin with #; by name there are {', '.join(compound_names())}"
+                f"{name}: not read as a table{_HEADED if isinstance(error, ValueError) else ''}: "
+                f"{str(error).strip()}; by name there are {', '.join(compound_names())}"
             ) from None
     columns: dict[str, pd.Series] = {}
     for heading in table.columns:
@@ -244,7 +247,7 @@ def _series(properties: Mapping[str, Any], ratio: float) -> Relaxation:
         name = f"relaxation.{key}"
         if properties.get(key) is None:
             raise _refusal(f".{key}: missing from the Prony series")
-        values = (convert_quantity(unit, name, number) for number in np.ravel(properties[key]))
+        values = (convert_quantity(unit, name, number) for number in np.ravel(properties[key]).tolist())
         numbers.append(np.array([check_positive(name, value, unit=unit) for value in values]))
     plateau, moduli, times = numbers
     if moduli.size != times.size:

@@ -25,7 +25,7 @@ _QUANTITIES = {
     "m2": ("area", "m2, cm2, mm2, um2, nm2"),
     "m s-1": ("speed", "m/s, cm/s, mm/s, um/s, m/min, km/h, ft/min, in/s"),
     "m2 s-1": ("diffusivity", "m2/s, cm2/s, mm2/s"),
-    "s": ("time", "s, min, h, d, years"),
+    "s": ("time", "µs, ms, s, min, h, d, years"),
     "s-1": ("frequency", "mHz, Hz, kHz, MHz, rad/s"),
     "m3 s-1": ("leak", "ml/h, ml/min, l/h, mm3/s, m3/s"),
     "Ohm": ("resistance", "uOhm, mOhm, Ohm, kOhm"),
