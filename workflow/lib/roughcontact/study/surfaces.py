@@ -136,7 +136,7 @@ class Surface:
     @property
     def properties(self) -> tuple[str, ...]:
         """What may exclude settings (`KindFacts.excluded_with`)."""
-        return ("faces",) if len(self.files()) > 1 else ()
+        return ("faces",) if self.faces else ()
 
     def files(self) -> list["Surface"]:
         """Return the measured files of a row: itself, or of a pair its face and its counter-face."""
@@ -520,7 +520,7 @@ def _mistakes_in_profiles_along(surfaces: Mapping[str, Surface]) -> Iterator[Set
                 "lay = along: a profile along the lay runs on one ridge and shows nothing of the others; "
                 f"give it the {GROUP} of profiles with lay = across",
             )
-        if row.name in of_same_area or len(row.files()) > 1:
+        if row.name in of_same_area or row.faces:
             text = f"lay = along: {row.name} is not solved by itself; leave {PAIR}, {REPEAT} and {BEFORE} out"
             yield in_cell(row, "lay", text)
 
@@ -557,37 +557,31 @@ def same_area_pairs(surfaces: Mapping[str, Surface]) -> list[tuple[str, str]]:
     ]
 
 
+def _mistakes_in_references(surfaces: Mapping[str, Surface]) -> Iterator[SettingsError]:
+    """Yield what is wrong with the names of the surfaces that are the same place."""
+    pairs = {name for name, row in surfaces.items() if row.faces}
+    for name, row in surfaces.items():
+        for column, reference in ((REPEAT, row.repeat_of), (BEFORE, row.before)):
+            if not reference or (
+                reference in surfaces and name != reference and not pairs & {name, reference}
+            ):
+                continue
+            singles = [other for other in surfaces if other != name and other not in pairs]
+            wrong = f"is no other surface of the table; {nearest(reference, singles)}"
+            if pairs & {name, reference}:
+                pair = name if name in pairs else reference
+                wrong = f"{pair} is a pair (counter_face), and single maps are compared; leave {column} out"
+            elif name == reference:
+                wrong = "is the name of this row; give that of the other map of the place"
+            yield in_cell(row, column, f"{column} = {reference!r}: {wrong}")
+
+
 def _mistakes_in_areas(surfaces: Mapping[str, Surface]) -> list[SettingsError]:
-    """Return what is wrong with the names of the surfaces that are the same place."""
-    pairs = {name for name, row in surfaces.items() if len(row.files()) > 1}
-    mistakes = [
-        in_cell(
-            row,
-            column,
-            f"{column} = {reference!r}: "
-            + (
-                f"{name if name in pairs else reference} is a pair (counter_face), and single maps are "
-                f"compared; leave {column} out"
-                if pairs & {name, reference}
-                else "is the name of this row; give that of the other map of the place"
-                if name == reference
-                else "is no other surface of the table; "
-                + nearest(
-                    reference,
-                    [candidate for candidate in surfaces if candidate != name and candidate not in pairs],
-                )
-            ),
-        )
-        for name, row in surfaces.items()
-        for column, reference in ((REPEAT, row.repeat_of), (BEFORE, row.before))
-        if reference and (name == reference or reference not in surfaces or pairs & {name, reference})
-    ]
-    if mistakes:
+    """Return what is wrong with surfaces that are the same place."""
+    if mistakes := [*_mistakes_in_references(surfaces)]:
         return mistakes
     try:
-        TopologicalSorter(
-            {name: {row.repeat_of, row.before} - {""} for name, row in surfaces.items()}
-        ).prepare()
+        _in_order(surfaces)
     except CycleError as error:
         circle = " -> ".join(error.args[1])
         text = f"columns {REPEAT}, {BEFORE}: {circle} is a circle; name in each row what is earlier"
@@ -606,6 +600,12 @@ def _mistakes_in_areas(surfaces: Mapping[str, Surface]) -> list[SettingsError]:
         if wrong:
             mistakes.append(in_cell(row, BEFORE, f"{start} {wrong}"))
     return mistakes
+
+
+def _in_order(surfaces: Mapping[str, Surface]) -> list[str]:
+    """Return the names of the surfaces, each after those that are the same place earlier."""
+    earlier = {name: {row.repeat_of, row.before} - {""} for name, row in surfaces.items()}
+    return [*TopologicalSorter(earlier).static_order()]
 
 
 def _first_repeated(surfaces: Mapping[str, Surface], name: str) -> str:
@@ -632,10 +632,7 @@ def _attach_repeats(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
     for name, partner in partners.items():
         row, partner_row = surfaces[name], surfaces[partner]
         others = [key for key in surfaces if of_first[key] == of_first[name] and key not in (name, partner)]
-        repeats = [
-            {"name": key, "path": str(surfaces[key].path), **_cells_of_map(surfaces[key])}
-            for key in (partner, *others)
-        ]
+        repeats = [_as_other_map(surfaces[key]) for key in (partner, *others)]
         specimen = row.specimen
         if row.group == partner_row.group and row.group and not (row.specimen or partner_row.specimen):
             specimen = of_first[name]
@@ -644,9 +641,10 @@ def _attach_repeats(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
     return result
 
 
-def _cells_of_map(row: Surface) -> dict[str, Any]:
+def _as_other_map(row: Surface) -> dict[str, Any]:
     """Return how the map of a row is read as another map of its place, without what lies around it."""
-    return {key: cell for key, cell in row.read_arguments.items() if key not in (OVERVIEW, "along")}
+    cells = {key: cell for key, cell in row.read_arguments.items() if key not in (OVERVIEW, "along")}
+    return {"name": row.name, "path": str(row.path), **cells}
 
 
 def _attach_places(rows: Mapping[str, Surface], as_read: Mapping[str, Surface]) -> dict[str, Surface]:
@@ -656,20 +654,17 @@ def _attach_places(rows: Mapping[str, Surface], as_read: Mapping[str, Surface]) 
     """
     result = dict(rows)
     earlier = {name: row.before or row.repeat_of for name, row in as_read.items()}
-    order = TopologicalSorter({name: {row.repeat_of, row.before} - {""} for name, row in as_read.items()})
     places: dict[str, list[str]] = {}
-    for name in order.static_order():
+    for name in _in_order(as_read):
         places[name] = places[earlier[name]] if earlier[name] else []
         places[name].append(name)
     for name, maps in places.items():
         if not any(as_read[member].before for member in maps):
             continue
-        of_place = []
-        for member in maps:
-            row = as_read[member]
-            cells = _cells_of_map(row)
-            cells |= {"earlier": earlier[member]} if earlier[member] else {}
-            of_place.append({"name": member, "path": str(row.path), **cells})
+        of_place = [
+            _as_other_map(as_read[member]) | ({"earlier": earlier[member]} if earlier[member] else {})
+            for member in maps
+        ]
         result[name] = replace(result[name], read_arguments={**rows[name].read_arguments, "place": of_place})
     return result
 
