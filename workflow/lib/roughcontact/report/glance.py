@@ -177,24 +177,6 @@ def exact_remarks(cells: Sequence[Cell]) -> str:
     return f"{text[0].upper()}{text[1:]}." if text else ""
 
 
-def without_repetition(cells: Sequence[Cell], line: str) -> list[Cell]:
-    """Return the cells of a load without what the line above them says is taken as exact.
-
-    Examples
-    --------
-    >>> cell = Cell("20 %", "± 3", precision="to ± 15 %", remark="hardness taken as exact")
-    >>> [without_repetition([cell], line)[0].remark for line in ("; hardness taken as exact.", "")]
-    ['', 'hardness taken as exact']
-    """
-    remarks = [cell.remark.split(", ") for cell in cells]
-    return [
-        cell._replace(
-            remark=", ".join(part for part in parts if not part.endswith(_EXACT) or part not in line.lower())
-        )
-        for cell, parts in zip(cells, remarks, strict=True)
-    ]
-
-
 def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell], *, alone: bool = False) -> str:
     """Return what a surface is asked for at a load, whose cells of `glance_rows` these are, in one line.
 

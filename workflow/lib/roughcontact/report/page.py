@@ -90,7 +90,6 @@ def write_report(
             line = glance.answer_line(numbers, panel["loads"][-1], cells[-1], alone=alone)
         else:  # the row is the answer
             line = glance.exact_remarks([cells[0][column] for column in columns_asked])
-        cells = [glance.without_repetition(cells_of_load, line) for cells_of_load in cells]
         courses = course_sections(panel["name"], numbers, path_of_panel.parent, folder)
         rows.append(
             {
