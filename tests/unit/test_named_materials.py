@@ -237,6 +237,9 @@ def test_the_option_takes_a_name():
     assert parse_bodies([["copper", "layer=2um,gold"], ["steel"]])[0] == gold
     with pytest.raises(SettingsError, match="210GPa: has 1 values; give the name of a material"):
         parse_bodies([["210GPa"], ["steel"]])
+    unequal = parse_bodies([["4GPa", "0.4", "youngs_modulus_uncertainty=0.1 0.2"], ["steel"]])
+    contact = resolve({"contact": {"bodies": unequal, "mean_pressure": 1e6}})[""]["contact"]
+    assert contact["bodies"][0]["youngs_modulus_uncertainty"] == [0.1, 0.2]
 
 
 @pytest.mark.parametrize("name", ["", " ", "-", None])

@@ -124,19 +124,21 @@ def _hardness_in_the_name(words: Sequence[str]) -> list[str]:
 
 def keyed(
     option: str, arguments: Sequence[str], *, names: Sequence[str] = (), by_name: Sequence[str] = ()
-) -> dict[str, str]:
+) -> dict[str, Any]:
     """Return values by their keys, from KEY=VALUE, after those of `names` (or `by_name`) without a key.
 
     Examples
     --------
     >>> keyed("--body", ["210GPa", "0.3", "yield_stress=400MPa"], names=("youngs_modulus", "poissons_ratio"))
     {'youngs_modulus': '210GPa', 'poissons_ratio': '0.3', 'yield_stress': '400MPa'}
+    >>> keyed("--body", ["material=steel", "hardness_uncertainty=0.1 0.2"])  # below, above
+    {'material': 'steel', 'hardness_uncertainty': ['0.1', '0.2']}
     """
     values = [argument for argument in arguments if "=" not in argument]
     names = by_name if len(values) == len(by_name) else names
     pairs = [*zip(names, values, strict=False)]
     pairs += [
-        (key, value)
+        (key, value.split() if key.endswith("_uncertainty") else value)
         for key, _, value in (argument.partition("=") for argument in arguments if "=" in argument)
     ]
     result = dict(pairs)
