@@ -136,7 +136,7 @@ def keyed(
     """
     values = [argument for argument in arguments if "=" not in argument]
     names = by_name if len(values) == len(by_name) else names
-    pairs = [*zip(names, values, strict=False)]
+    pairs: list[tuple[str, Any]] = [*zip(names, values, strict=False)]
     pairs += [
         (key, value.split() if key.endswith("_uncertainty") else value)
         for key, _, value in (argument.partition("=") for argument in arguments if "=" in argument)
