@@ -37,7 +37,6 @@ _HEADINGS: dict[str, tuple[str, str, dict[str, str]]] = {
     r"(?i:e(''|″|\")|loss( modulus)?|verlustmodul)": ("loss_modulus", "Pa", {"": "Pa"}),
     r"T|(?i:temp\.?|temperatur|temperature)": ("temperature", "", {}),
 }
-_HEADED = ", whose headings stand in the first line that does not begin with #"
 _STEADY = 5.0  # K, within which a sweep is of one temperature
 _SOFTEST = 1e3  # Pa: a lower modulus without a unit is in MPa
 _SERIES = {"long_time_modulus": "Pa", "moduli": "Pa", "times": "s"}
@@ -165,16 +164,12 @@ def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
             table = _table_of_text(Path(table).read_text(encoding="utf-8-sig", errors="replace"))
         except (OSError, ValueError, IndexError) as error:
             raise _refusal(
-                f"{name}: not read as a table{_HEADED if isinstance(error, ValueError) else ''}: "
-                f"{str(error).strip()}; by name there are {', '.join(compound_names())}"
+                f"{name}: not read as a table: {str(error).strip()}; by name there are "
+                f"{', '.join(compound_names())}"
             ) from None
     columns: dict[str, pd.Series] = {}
     for heading in table.columns:
-        # what is measured, then its unit after one of these marks
-        plain, *after = re.split(
-            r"\s*[\[(,/]\s*|\s+in\s+", str(heading).replace("_", " ").strip(), maxsplit=1
-        )
-        plain, unit = plain.replace("’", "'"), "".join(after).strip(" )]")
+        plain, unit = _plain_and_unit(heading)
         roles = [role for pattern, role in _HEADINGS.items() if re.fullmatch(pattern, plain)]
         if not roles:
             continue
@@ -193,8 +188,8 @@ def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
         columns[column] = values * factor
     if missing := [key for key in ("frequency", "storage_modulus", "loss_modulus") if key not in columns]:
         raise _refusal(
-            f"{name}: no column {missing[0]!r} among {[*map(str, table.columns)]}; name the columns in the "
-            "first line frequency (Hz), storage_modulus (Pa), loss_modulus (Pa), or f, E', E'', with units"
+            f"{name}: no column {missing[0]!r} among {[*map(str, table.columns)]}; name the columns "
+            "frequency (Hz), storage_modulus (Pa), loss_modulus (Pa), or f, E', E'', with units"
         )
     numbers = pd.DataFrame(columns).dropna().sort_values("frequency", ignore_index=True)
     if "temperature" in numbers and np.ptp(temperatures := numbers.pop("temperature")) > _STEADY:
@@ -209,9 +204,27 @@ def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
     return numbers[["frequency", "storage_modulus", "loss_modulus"]]
 
 
+def _plain_and_unit(heading: Any) -> tuple[str, str]:
+    """Return what a column holds, and its unit, which stands after a bracket, a comma, a stroke or "in"."""
+    plain, *after = re.split(
+        r"\s*[\[(,/]\s*|\s+in\s+", str(heading).replace("_", " ").strip().lstrip('"'), maxsplit=1
+    )
+    return plain.replace("’", "'"), "".join(after).strip(" )]")
+
+
 def _table_of_text(text: str) -> pd.DataFrame:
-    """Return a table with headings, and units in them that stand in a row below; # begins a comment."""
+    """Return a table with headings, and units in them that stand in a row below.
+
+    Lines above that of the headings are left out, and those that begin with #.
+    """
     lines = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    frequency = "|".join(pattern for pattern, (column, *_) in _HEADINGS.items() if column == "frequency")
+    for index, line in enumerate(lines):
+        if any(
+            re.fullmatch(frequency, _plain_and_unit(cell)[0]) for cell in re.split(r"[\t;,]|\s{2,}", line)
+        ):
+            lines = lines[index:]
+            break
     if not set("\t;,") & {*lines[0]}:
         lines = [re.sub(r"\s{2,}", "\t", line) for line in lines]
     separator = next((mark for mark in "\t;" if mark in lines[0]), ",")
