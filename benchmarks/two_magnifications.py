@@ -60,7 +60,7 @@ LEVELS = {
 LEVEL_ELSEWHERE = 0.97  # whose errors differ more from map to map
 LIMIT_LEVEL = 0.995  # of the limits of the gap, with which no coverage is lost
 LARGEST_CHANGE = 3.0  # of a logarithm, in the fit of the coefficients
-RIDGE = 1.0  # beside the weight of a map at a load: 0.5 to 4 score alike
+RIDGE = 3.0  # beside the weight of a map at a load: 0.5 to 4 score alike
 WORK = Path(__file__).parent / "work" / "two_magnifications"
 RESULTS = Path(__file__).parent / "results" / "overview"
 BANK = [RESULTS / f"{name}.csv" for name in ("fine", "overviews", "elsewhere")]
@@ -217,6 +217,10 @@ def rows_of(record: dict) -> tuple[list[dict], list[dict], list[dict]]:
                     f"{name}_octave": (here - coarser).std(ddof=1),
                     f"{name}_places": here.std(ddof=1),
                 }
+            by_place = np.log([place["gradient"] for place in overview_record["places"]])
+            row[f"{overview.GRADIENT}_surface"] = np.delete(by_place, number).mean() - by_place[number]
+            whole = np.log(overview_record["whole"]["gradient"])
+            row[f"{overview.GRADIENT}_{JOINT}"] = whole - by_place[number]
             overviews.append(row)
     gradients = [part["gradient"] for part in parts]
     return fine, overviews, rows_elsewhere(record, gradients)
@@ -281,8 +285,8 @@ def errors_of(
     alone = pd.DataFrame(tables)
     change = JOINT if measurand == JOINT else "surface"
     kept = {f"{name}_{change}": "change", f"{name}_octave": "octave", f"{name}_places": "places"}
-    if around and name in overview.COUNTERPARTS:
-        kept[f"{overview.COUNTERPARTS[name]}_{change}"] = "counterpart"
+    counterparts = overview.COUNTERPARTS.get(name, ()) if around else ()
+    kept |= {f"{key}_{change}": f"counterpart {index}" for index, key in enumerate(counterparts)}
     shown = overviews.rename(columns=kept)[["map", "part", "load", "factor", *kept.values()]]
     both = alone.merge(shown, on=["map", "part", "load"]).dropna(subset=["alone", *kept.values()])
     return _weighted(both, ["map", "load", "factor"])
@@ -301,14 +305,14 @@ def size_of(errors: pd.DataFrame, measurand: str) -> np.ndarray:
 
 
 def changes_of(errors: pd.DataFrame) -> pd.DataFrame:
-    """Return the changes that the overview shows of a quantity, and of its counterpart, if that counts."""
-    return errors[[key for key in ("change", "counterpart") if key in errors]]
+    """Return the changes that the overview shows of a quantity, and of its counterparts that count."""
+    return errors[[key for key in errors if key.startswith(("change", "counterpart"))]]
 
 
 def coefficients_of(errors: pd.DataFrame) -> np.ndarray:
     """Return by how much the changes that the overview shows count: least squares, a single one 0 to 1.
 
-    Ridge regression (Hoerl and Kennard 1970) keeps that of the counterpart small where few maps tell of it.
+    Ridge regression (Hoerl and Kennard 1970) keeps those of counterparts small where few maps tell of them.
     """
     root, changes = np.sqrt(errors["weight"]), changes_of(errors).clip(-LARGEST_CHANGE, LARGEST_CHANGE)
     rows = np.vstack([changes.mul(root, axis=0), np.sqrt(RIDGE) * np.eye(changes.shape[1])[1:]])
@@ -364,7 +368,7 @@ def _alone(fine: pd.DataFrame, name: str, measurand: str) -> pd.DataFrame:
     """Return the errors of parts without any overview."""
     keys = ["map", "part", "load"]
     nothing = fine.loc[fine["part"] != WHOLE, keys].assign(factor=0)
-    names = name, overview.COUNTERPARTS.get(name, name)
+    names = name, *overview.COUNTERPARTS.get(name, ())
     columns = {f"{key}_{suffix}": 0.0 for key in names for suffix in ("surface", JOINT, "octave", "places")}
     return errors_of(fine, nothing.assign(**columns), name, measurand)
 

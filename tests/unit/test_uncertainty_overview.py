@@ -11,8 +11,16 @@ from roughcontact.uncertainty.calibration import overview_arms, table
 from roughcontact.uncertainty.combination import uncertainty_table
 from roughcontact.uncertainty.differences import compare_maps
 from roughcontact.uncertainty.ensemble import Result, solve_member
-from roughcontact.uncertainty.overview import field_ratios, transfers_of, window_of_place, windows_of_places
-from roughcontact.uncertainty.scales import AREA, GAP, to_scale
+from roughcontact.uncertainty.overview import (
+    GRADIENT,
+    Transfer,
+    View,
+    field_ratios,
+    transfers_of,
+    window_of_place,
+    windows_of_places,
+)
+from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, to_scale
 
 PITCH = 1e-6
 NAMES = (AREA, GAP, "conductance_per_conductivity")
@@ -165,13 +173,27 @@ def test_what_an_overview_shows_has_no_unit(field):
     shown = overview_with_place(fine, overview)
     own = shown.isel(window_of_place(fine, shown, recorded_place(shown)))
     transfers = transfers_of(result, 1, own, shown, {})
-    assert set(transfers) == set(NAMES)
+    assert set(transfers) == {*NAMES, GRADIENT}
     for transfer in transfers.values():
         assert np.isfinite(np.array(transfer)).all()
         assert (transfer.places > 0).all()
     scaled = Result(window, contact | {"contact_modulus": 5.0, "mean_pressure": [0.05, 0.15]}, result.values)
     again = transfers_of(scaled, 1, own, shown, {})
     assert again[GAP].surface == pytest.approx(transfers[GAP].surface, abs=2e-3)
+
+
+def test_a_gap_follows_its_overview_where_the_conductance_is_not_known():
+    """As of layered bodies: the other changes count, and the conductance tells nothing."""
+    one, unknown = np.ones(2), np.full(2, np.nan)
+    transfers = {name: Transfer(one, one, 0.1 * one, 0.2 * one) for name in (GAP, CONDUCTANCE, GRADIENT)}
+    both = View(transfers, 4.0, True, 9.0)
+    of_layers = View(transfers | {CONDUCTANCE: Transfer(unknown, unknown, unknown, unknown)}, 4.0, True, 9.0)
+    area = np.array([0.02, 0.1])
+    shares = table()["overview"]["surface"][GAP]["4"]["shares"]
+    for view, count in ((both, sum(shares)), (of_layers, sum(shares) - shares[1])):
+        centre, down, up = view.numbers("surface", GAP, area, np.log(0.1))
+        assert centre == pytest.approx(np.full(2, count))
+        assert np.isfinite([down, up]).all()
 
 
 def test_arms_between_the_pixels_of_the_bank_lie_between():

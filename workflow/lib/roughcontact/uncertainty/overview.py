@@ -5,10 +5,10 @@ The overview shows a field around the fine map. On the scale t of each quantity 
     t = t_fine(own place) + b (mean of t_coarse(places) - t_coarse(own place)),
 
 where b is of the bank, and every place is a window of the size of the fine map (control variates: Nelson
-1990, Operations Research 38, 974). Of gap and conductance the change of the other counts as well. All are
-solved at the load p k, k being the gradient of the overview over that of the fine map at its own place, so
-that both touch as much. Lens, noise and lateral scale of the overview are the same at all places, and
-cancel. The whole overview in place of the mean is a joint as large as it.
+1990, Operations Research 38, 974). Of gap and conductance the change of the other counts as well, and for
+the gap that of the gradient. All are solved at the load p k, k being the gradient of the overview over that
+of the fine map at its own place, so that both touch as much. Lens, noise and lateral scale of the overview
+are the same at all places, and cancel. The whole overview in place of the mean is a joint as large as it.
 
 An overview of another position of the face has no own place: that of another overview with its pixels stands
 for it, or else the fine map with its pixels merged, whose lens is not that of the overview. Then lens and
@@ -42,7 +42,9 @@ from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, CONSTRICTIONS, GAP, PEAK, to_scale
 from roughcontact.uncertainty.subwindows import Scatter, Slices, relevelled, scatter_of_subwindows
 
-COUNTERPARTS = {GAP: CONDUCTANCE, CONDUCTANCE: GAP}  # whose change tells of that of a quantity as well
+GRADIENT = "rms_gradient"  # of places, on its logarithm
+# whose changes tell of that of a quantity as well
+COUNTERPARTS: dict[str, tuple[str, ...]] = {GAP: (CONDUCTANCE, GRADIENT), CONDUCTANCE: (GAP,)}
 OTHER_PLACES: tuple[Measurand, ...] = ("surface", "next", JOINT)
 # of their scatter, in the size
 _SHARE_OF_PLACES: dict[str, float] = dict(zip(OTHER_PLACES, (0.3, 1.0, 0.3), strict=True))
@@ -81,10 +83,13 @@ class View(NamedTuple):
         shares, down, up = calibration.overview_arms(
             measurand, name, self.pixels, area, sees_map=self.sees_map
         )
-        shown = transfer, self.transfers.get(COUNTERPARTS.get(name, ""), transfer)
-        changes = [each.joint if measurand == JOINT else each.surface for each in shown]
-        size = expected_size(measurand, changes[0], transfer.octave, transfer.places, gradient)
-        centre = sum(share * change for share, change in zip(shares, changes, strict=False))
+        unknown = Transfer(*np.full((4, area.size), np.nan))
+        shown = [transfer, *(self.transfers.get(key, unknown) for key in COUNTERPARTS.get(name, ()))]
+        change, *further = (each.joint if measurand == JOINT else each.surface for each in shown)
+        size = expected_size(measurand, change, transfer.octave, transfer.places, gradient)
+        # a counterpart is not known of layered bodies, nor where the contact is full
+        changes = change, *map(np.nan_to_num, further)
+        centre = sum(share * each for share, each in zip(shares, changes, strict=False))
         return np.asarray(centre), down * size, up * size
 
 
@@ -171,7 +176,7 @@ def windows_of_places(shape: tuple[int, ...], overview: xr.DataArray) -> list[Sl
 def transfers_of(
     result: Result, order: int, footprint: xr.DataArray, overview: xr.DataArray, arguments: Mapping[str, Any]
 ) -> dict[str, Transfer]:
-    """Return what an overview shows of area, gap and conductance of a result.
+    """Return what an overview shows of area, gap and conductance of a result, and of the gradient.
 
     `footprint` is the place of the map with the pixels of the overview, `order` that of the form to remove.
     `arguments` are those of `periodic_window` of the fine map, without a correction for its instrument.
@@ -196,14 +201,18 @@ def transfers_of(
 
 
 def _results(result: Result, windows: list[xr.DataArray]) -> dict[str, np.ndarray]:
-    """Return the results (window, few loads) on their scales at loads by the gradient of the first window."""
+    """Return the results (window, few loads) on their scales at loads by the gradient of the first window.
+
+    With them is the gradient of the windows.
+    """
     ratio = rms_gradient(windows[0]) / rms_gradient(result.window)
     contact = {**result.contact, "mean_pressure": result.load * ratio}
     if contact.get("hardness"):
         contact["hardness"] *= ratio
     names = [name for name in result.values if name not in (*CONSTRICTIONS, PEAK)]
     scaled = Result(windows[0], contact, {name: result.values[name] for name in names})
-    return {name: to_scale(name, values) for name, values in scaled.members(windows).items()}
+    results = {name: to_scale(name, values) for name, values in scaled.members(windows).items()}
+    return results | {GRADIENT: np.log([[rms_gradient(window)] * result.few.size for window in windows])}
 
 
 def with_views(scatter: Scatter, result: Result, views: Sequence[View]) -> Scatter:
@@ -213,7 +222,8 @@ def with_views(scatter: Scatter, result: Result, views: Sequence[View]) -> Scatt
     joint = {}
     area, gap = result.values[AREA], result.values[GAP] / float(result.window.std())
     largest = max(views, key=lambda view: (view.sees_map, view.field))
-    for name, key in product(views[0].transfers, (*MEASURANDS, ALONE, JOINT)):
+    names = [name for name in views[0].transfers if name in scatter.features]
+    for name, key in product(names, (*MEASURANDS, ALONE, JOINT)):
         ends = np.array(calibration.arms(key, name, scatter.features[name], area, gap))
         centre = np.zeros(area.shape)
         if key in OTHER_PLACES:
