@@ -90,7 +90,7 @@ def overview_arms(
     )
     inside = np.clip(x, *logarithms[[0, -1]])
     shares, arms_of_bank = (
-        scipy.interpolate.make_interp_spline(logarithms, each, k=1)(inside) for each in numbers
+        scipy.interpolate.make_interp_spline(logarithms, values, k=1)(inside) for values in numbers
     )
     return shares, *arms_of_bank
 

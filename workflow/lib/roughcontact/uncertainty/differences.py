@@ -200,8 +200,8 @@ def _of_map(
 
     def reach(endings: Sequence[str]) -> list[np.ndarray]:
         """Return how far the ends of an interval lie below and above the value (load)."""
-        ends = (to_scale(GAP, data.get(f"{name}{key}", np.nan * data[name]).values) for key in endings)
-        return [sign * (end - value) for sign, end in zip((-1, 1), ends, strict=True)]
+        bounds = (to_scale(GAP, data.get(f"{name}{key}", np.nan * data[name]).values) for key in endings)
+        return [sign * (bound - value) for sign, bound in zip((-1, 1), bounds, strict=True)]
 
     fine_map = data.get(f"{name}_alone", data[name])  # NaN of a map beside others with an overview
     value = to_scale(GAP, (fine_map.fillna(data[name]) if of_place else data[name]).values)
@@ -212,8 +212,8 @@ def _of_map(
         window = SOURCES.index("window")
         other_sources, of_window = np.delete(widths, window, axis=1), widths[:, window, :2].copy()
         widths[:, window] = 0.0
-        for side, end in enumerate(reach(("_map_lower", "_map_upper"))):
-            of_widths = np.maximum(end - other_sources[..., 2 + side].sum(axis=1), 0.0)
+        for side, width in enumerate(reach(("_map_lower", "_map_upper"))):
+            of_widths = np.maximum(width - other_sources[..., 2 + side].sum(axis=1), 0.0)
             square = of_widths**2 - (other_sources[..., side] ** 2).sum(axis=1)
             widths[:, window, side] = np.fmin(np.sqrt(np.maximum(square, 0.0)), of_window[:, side])
     missing = np.full((0, value.size), np.nan)
@@ -221,7 +221,7 @@ def _of_map(
     parts = to_scale(GAP, parts[np.isfinite(parts).any(axis=1)])  # the others are padding
     deviations = parts - (parts.mean(axis=0) if len(parts) else 0.0)
     numbers, own_loads = (value, widths, deviations.T), data["mean_pressure"].values
-    return numbers if loads is None else tuple(interpolated(own_loads, loads, each) for each in numbers)
+    return numbers if loads is None else tuple(interpolated(own_loads, loads, values) for values in numbers)
 
 
 class _Compared(NamedTuple):
@@ -260,8 +260,8 @@ def _compare_two_maps(
     at_loads = maps[0]["mean_pressure"].values if loads is None else loads
     zeros, rows = np.zeros(at_loads.size), {}
     for name in _names(*maps):
-        both = [_of_map(name, data, loads, of_place=of_place) for data in maps]
-        values, widths, deviations = zip(*both, strict=True)
+        numbers = [_of_map(name, data, loads, of_place=of_place) for data in maps]
+        values, widths, deviations = zip(*numbers, strict=True)
         correlations = np.tile(_source_correlations(*maps), (zeros.size, 1))
         correlations[:, SOURCES.index("window")] = _correlations(deviations, at_loads)
         if any(f"{name}_components" not in data for data in maps):
@@ -316,12 +316,12 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
         values, shared = zip(*(_of_group(name, data, loads) for data in groups), strict=True)
         contrasts = [values[1] - values[0]] if paired else values
         effects = [random_effects(*pair) for pair in zip(contrasts, part_names, strict=False)]
-        units = min(each.units for each in effects)
+        units = min(effect.units for effect in effects)
         difference, error, freedom = _difference(effects)
         rows[name] = _ratios(difference, shared, correlation, scatter=student(freedom) * error)
         rows[name] |= {
             "p_value": adjust_over_loads(p_value(difference, error, freedom)),
-            "spread": np.sqrt(np.mean([each.error**2 * each.units for each in effects], axis=0)),
+            "spread": np.sqrt(np.mean([effect.error**2 * effect.units for effect in effects], axis=0)),
             "shared": np.maximum(*_unshared_half_widths(shared, correlation)),
         }
     has_parts = any(1 < len(set(names)) < len(names) for names in part_names)

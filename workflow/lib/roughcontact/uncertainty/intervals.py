@@ -94,8 +94,8 @@ def interval_columns(
     columns: dict[str, tuple] = {}
     if scatter and scatter.overview:  # the map, without what its overview shows of other places
         of_map = {name: centre - scatter.shift.get(name, 0.0) for name, centre in middle.items()}
-        alone = _consistent(result, as_solved, of_map)[1]
-        columns |= {f"{name}_{ALONE}": ("load", alone[name]) for name in (*scatter.shift, PRESSURE)}
+        in_units = _consistent(result, as_solved, of_map)[1]
+        columns |= {f"{name}_{ALONE}": ("load", in_units[name]) for name in (*scatter.shift, PRESSURE)}
     for name, plain in as_solved.items():
         for prefix, (on_scales, in_units, causes) in intervals.items():
             if prefix == f"{JOINT}_" and name not in windows[JOINT]:

@@ -84,12 +84,12 @@ class View(NamedTuple):
             measurand, name, self.pixels, area, sees_map=self.sees_map
         )
         unknown = Transfer(*np.full((4, area.size), np.nan))
-        shown = [transfer, *(self.transfers.get(key, unknown) for key in COUNTERPARTS.get(name, ()))]
-        change, *further = (each.joint if measurand == JOINT else each.surface for each in shown)
+        transfers = [transfer, *(self.transfers.get(key, unknown) for key in COUNTERPARTS.get(name, ()))]
+        change, *further = (row.joint if measurand == JOINT else row.surface for row in transfers)
         size = expected_size(measurand, change, transfer.octave, transfer.places, gradient)
         # a counterpart is not known of layered bodies, nor where the contact is full
         changes = change, *map(np.nan_to_num, further)
-        centre = sum(share * each for share, each in zip(shares, changes, strict=False))
+        centre = sum(share * number for share, number in zip(shares, changes, strict=False))
         return np.asarray(centre), down * size, up * size
 
 
