@@ -196,8 +196,8 @@ def lines_not_used(
             continue
         matters = _matters(text)
         used = sides if "step" in matters else lengths_used
-        numbered = [length for length in lengths if length.value == length.value]
-        strange = "elsewhere" not in matters and not all(length.agrees(used) for length in numbered)
+        with_number = [length for length in lengths if length.value == length.value]
+        strange = "elsewhere" not in matters and not all(length.agrees(used) for length in with_number)
         counts = _COUNTS.search(text)
         strange_points = counts is not None and {*map(int, counts.groups())} != {nx, ny}
         contradicts = stated_above and (strange or strange_points)
@@ -206,11 +206,11 @@ def lines_not_used(
         strange_count = number_of is not None and int(number_of[1]) not in (0, 1, nx, ny, nx * ny)
         is_factor = "factor" in matters and values and values[-1] not in (0, 1)
         is_limit = matters >= {"limit", "validity"} and "lateral" not in matters and "%" not in text
-        limits = [length.value / height_factor for length in numbered] or values
-        beyond = _count_beyond(finite, limits) if is_limit else 0
-        if is_limit and not beyond:
+        limits = [length.value / height_factor for length in with_number] or values
+        beyond_count = _count_beyond(finite, limits) if is_limit else 0
+        if is_limit and not beyond_count:
             continue
-        marked = int(np.count_nonzero(finite == values[-1])) if values and "marker" in matters else 0
+        marker_count = int(np.count_nonzero(finite == values[-1])) if values and "marker" in matters else 0
         other_unit = "lateral" not in matters and any(
             length.bare and metres(length.unit) != height_factor and not length.agrees(lengths_used)
             for length in lengths
@@ -218,8 +218,8 @@ def lines_not_used(
         is_denied = _DENIED.search(text)
         # what the line may concern, as in the table of doubts
         applies = {
-            "limit": beyond,
-            "marker": marked,
+            "limit": beyond_count,
+            "marker": marker_count,
             "counts": is_integer
             and (is_factor or "fraction" in matters or (strange and "step" not in matters)),
             "turned": not is_denied and ("turned" in matters or _NO_HEIGHTS.search(text)),
@@ -230,7 +230,7 @@ def lines_not_used(
             "unit": other_unit,
         }
         for keys, doubt in (_DOUBTS[matter] for matter in _DOUBTS if applies[matter]):
-            count = beyond or marked
+            count = beyond_count or marker_count
             points = f"there {'is' if count == 1 else 'are'} {counted_noun(count, 'point')}"
             sentence = doubt.format(number=number, text=text, points=points, **texts)
             if keys:

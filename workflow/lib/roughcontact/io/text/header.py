@@ -141,12 +141,12 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
         if len(pieces) > 1 and (axis := _ONE_AXIS.fullmatch(text)):  # "x axis: 18 points, step 0.4 µm"
             pieces = [re.sub(r"^(\d+)\s+([^\W\d]+)$", r"\2 \1", piece) for piece in _PIECES.split(axis[2])]
             pieces = [re.sub(r"^([^\d:=]*[^\W\d])", rf"\1 {axis[1]}", piece) for piece in pieces]
-        alone = len(pieces) == 1
-        parsed = ((piece, [*_parsed(piece, sign, alone=alone)]) for piece in pieces)
+        is_single = len(pieces) == 1
+        pairs = ((piece, [*_parsed(piece, sign, alone=is_single)]) for piece in pieces)
         # but for a title
-        found = [entries for _, entries in dropwhile(lambda each: not each[1] and _is_prose(each[0]), parsed)]
+        entries = [entry for _, entry in dropwhile(lambda pair: not pair[1] and _is_prose(pair[0]), pairs)]
         # all pieces are entries, or the line is one
-        for meaning, statement in chain(*found) if found and all(found) else _parsed(text, sign):
+        for meaning, statement in chain(*entries) if entries and all(entries) else _parsed(text, sign):
             located = statement._replace(line=number, text=text[:_LONGEST])
             by_meaning.setdefault(meaning, []).append(located)
     return by_meaning
@@ -286,8 +286,8 @@ def _entries(text: str, *, alone: bool) -> Iterator[tuple[str, str]]:
     numbers = all(NUMBER.match(value.lstrip("([")) or is_length(value) for value in value_texts)
     for value_text in value_texts[:-1] if numbers else ():  # a value, its unit, the next key
         stops = [blank.span() for blank in re.finditer(r"[\s;]+|,\s+", value_text)] or [(0, 0)]
-        known = (span for span in stops if _meaning(value_text[span[1] :].partition("(")[0]))
-        stop, start = next(known, stops[-1])
+        before_keys = (span for span in stops if _meaning(value_text[span[1] :].partition("(")[0]))
+        stop, start = next(before_keys, stops[-1])
         values.append(value_text[:stop])
         keys.append(value_text[start:])
     if values and all(key[:1].isalpha() for key in keys) and ("=" in text or _meaning(head)):
