@@ -74,8 +74,8 @@ def write_project(
 
 def problems(files: Sequence[str | Path]) -> list[tuple[str, str]]:
     """Return the files that cannot be read as they are, each with what has to be given, or is wrong."""
-    found = [(file, contents_of(file)["problem"]) for file in map(str, files)]
-    return [(file, problem.removeprefix(f"{file}: ")) for file, problem in found if problem]
+    problems_of_files = {file: contents_of(file)["problem"] for file in map(str, files)}
+    return [(file, text.removeprefix(f"{file}: ")) for file, text in problems_of_files.items() if text]
 
 
 def collect_files(paths: Sequence[str]) -> tuple[list[str], list[str]]:
