@@ -293,7 +293,7 @@ class TestFiveSteps:
             click(browser, "#steps summary")
             browser.wait("document.querySelector('#results').checkVisibility()")
             click(browser, "#steps a[href$='#exports']")
-            browser.wait("location.hash === '#exports' && document.querySelector('#preview pre')")
+            browser.wait("location.hash === '#exports' && document.body.ariaBusy === 'false'")
             assert "opened in another page" not in browser.text("body")
             browser.wait("document.querySelector('#results').children.length === 3")
             assert browser.text("#results").count("To halve the ± of the contact area: ") == 3
@@ -1109,7 +1109,7 @@ class TestPages:
             click(browser, "#show")
             report_open(browser)
             browser.evaluate("history.back()")
-            browser.wait(f"location.href === '{address}' && document.querySelector('#preview pre')")
+            browser.wait(f"location.href === '{address}' && document.body.ariaBusy === 'false'")
             click(browser, "[name='page.job'][value=friction]")
             browser.wait("document.querySelector('#fields h2').textContent === '3 Friction'")
             assert browser.text("#problem") == ""
