@@ -1615,7 +1615,7 @@ class TestForm:
     def test_numbers_that_yaml_reads_otherwise_are_refused(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         for text, words in (
-            ("010", "as octal"),
+            ("010", "to the base of 8"),
             ("1:30", "to the base of 60"),
             ("[5", "5"),
             ("a: b", "a: b"),
