@@ -142,7 +142,13 @@ NO_NUMBER |= {name for name in VARIABLES if "friction_" in name}
 NO_NUMBER |= {name for name in VARIABLES if name.startswith(("allowed_", "total_"))}
 NO_NUMBER |= {name for name in VARIABLES if re.search("_(holds(_from)?|largest_Sq)$", name)}
 NO_NUMBER |= {"time"} | {name for name in VARIABLES if "_after" in name}  # of bodies that creep
-NO_NUMBER |= {"joint_resistance", "temperature_drop", "thermal_conductivity", "electrical_resistivity"}
+NO_NUMBER |= {
+    "joint_area",
+    "joint_resistance",
+    "temperature_drop",
+    "thermal_conductivity",
+    "electrical_resistivity",
+}
 NO_NUMBER |= {"shear_traction", "stick", "stick_share", "tangential_load", "tangential_displacement"}
 NO_NUMBER |= {"tangential_error_bound", "tangential_stiffness", "friction_coefficient", "peak_pressure"}
 NO_NUMBER |= {"temperature_rise", "mean_flash_temperature", "max_flash_temperature", "loaded_radius"}

@@ -634,6 +634,7 @@ def test_what_is_stated_to_do_nothing_changes_nothing(number):
         # on a mirrored map the flow across is rounding, and equal points share the largest stress
         exceptions = ("sensitivity", "components", "flow_factor_xy", "von_mises_x", "von_mises_y")
         exceptions += ("depth", "von_mises_profile")  # depths are also those of interfaces
+        exceptions += ("sealing_known",) * (SEAL in adding)  # with a fluid a gap is closed that hardly leaks
         if name in with_neutral and not name.endswith(exceptions):
             same_or_unknown(with_neutral[name].values, plain[name].values, name)
 

@@ -84,7 +84,7 @@ def test_headings_state_units(tmp_path, separator):
 def test_tables_as_instruments_write_them(tmp_path, headings, form):
     """Each has the same three rows: decimals with commas, wide gaps, units in a row of their own, Latin-1."""
     expected = table(np.array([1.5, 10.0, 100.0]))
-    rows = expected / (1e3, 1e6, 1e6)
+    rows = expected / [1e3, 1e6, 1e6]
     if first := form.pop("first", None):
         rows.insert(0, "T", first)
     gap = form.pop("gap", None)
@@ -210,7 +210,7 @@ def test_a_named_rubber_at_another_temperature():
             "relaxation.times = '1 fortnight': unknown time unit",
         ),
         (
-            table() / (1, 1e6, 1e6),
+            table() / [1, 1e6, 1e6],
             "'storage_modulus': has no unit, and 3.* Pa is softer than any rubber: state",
         ),
         (table().astype(str).replace("0.1", "1,000"), "'frequency': '1,000' is not a number"),

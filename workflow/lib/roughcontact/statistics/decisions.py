@@ -67,7 +67,8 @@ def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
     # with a lay, or where its direction is unknown, the lower of both limits
     has_islands = (value > CLOSED) & (_of_loads(numbers, f"{AREA}_upper") < OPEN_BELOW[without_lay])
     mean, *bounds = (_of_loads(numbers, f"{GAP}{suffix}") for suffix in ENDS)
-    lowest, highest = (np.where(has_islands, value * bound / mean, np.nan) for bound in bounds)
+    with np.errstate(divide="ignore", invalid="ignore"):  # no gap is left of full contact
+        lowest, highest = (np.where(has_islands, value * bound / mean, np.nan) for bound in bounds)
     closed_parts, open_parts = _shares(numbers, f"{name}_parts", limit)
     yes = full | (np.fmin(upper, highest) <= limit)
     yes |= (value <= limit) & (closed_parts >= 1 - _MAX_DIFFERENT)

@@ -80,6 +80,11 @@ def _loader(file: Path) -> "type[yaml.SafeLoader]":
                     refuse(key, f"{key.value} occurs twice in the same group; delete one of them")
             return node
 
+        def flatten_mapping(self, node: Any) -> Any:
+            super().flatten_mapping(node)
+            if len(node.value) > _MAX_VALUES:  # before 6.0.4 PyYAML keeps what is merged twice
+                refuse(node, f"has more than {_MAX_VALUES} values by merge keys (<<); write out its values")
+
         def compose_scalar_node(self, anchor: Any) -> Any:
             node = super().compose_scalar_node(anchor)
             if node.tag in _NO_VALUES:
