@@ -1,17 +1,16 @@
 """Rejected points: what they were is kept, and the load that they would carry is known."""
 
 import numpy as np
-import xarray as xr
 
-from roughcontact import evaluate
 from roughcontact.arguments.maps import height_map
 from roughcontact.contact.solve import solve_contact
-from roughcontact.evaluation.rejected import add_rejected, rejected_load_share
 from roughcontact.surface.faces.composite import composite
 from roughcontact.surface.levelling.level import level
 from roughcontact.surface.levelling.rejected import rejected_points, restore_rejected
 from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.surface.window.periodic_window import periodic_window
+from roughcontact.uncertainty.budget import error_budget
+from roughcontact.uncertainty.rejected import rejected_load_share
 
 LOADS = [2e-3, 2e-2]
 PROBLEM = {"contact_modulus": 1.0, "mean_pressure": LOADS, "tolerance": 1e-4}
@@ -107,18 +106,15 @@ def test_points_that_the_window_leaves_out_carry_nothing():
     np.testing.assert_array_equal(rejected_load_share(levelled, window={}, contact=PROBLEM), 0)
 
 
-def test_a_result_has_it_whatever_its_sources():
-    height = height_map(spiked(height=1.5)[0], 1.0)
-    levelled = level(height)
+def test_the_budget_hands_it_on_whatever_its_sources():
+    levelled = level(height_map(spiked(height=1.5)[0], 1.0))
+    window, settings = periodic_window(levelled), {"level": {}, "window": {}, "contact": PROBLEM}
     expected = rejected_load_share(levelled, window={}, contact=PROBLEM)
-    contact = {"contact_modulus": 1e9, "mean_pressure": [1e9 * load for load in LOADS], "tolerance": 1e-4}
     for sources in ([], ["solver"]):
-        result = evaluate(height, contact=contact, uncertainty={"sources": sources})
-        np.testing.assert_allclose(result["rejected_load_share"], expected, rtol=1e-6)
-    budget = xr.Dataset(coords={"mean_pressure": ("load", PROBLEM["mean_pressure"])})
+        budget = error_budget(levelled, window, settings, sources=sources)
+        np.testing.assert_array_equal(budget["rejected_load_share"], expected)
     forgotten = levelled.drop_vars("rejected_height")
-    forgotten = add_rejected(budget, forgotten, {"window": {}, "contact": PROBLEM})
-    assert forgotten["rejected_load_share"].isnull().all()
+    assert error_budget(forgotten, window, settings, sources=[])["rejected_load_share"].isnull().all()
 
 
 def test_pairs_know_what_was_rejected_on_either_face():

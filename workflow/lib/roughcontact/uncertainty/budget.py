@@ -23,6 +23,7 @@ from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.inputs import AMPLIFICATIONS, HARDNESS, INPUTS, input_uncertainty
 from roughcontact.uncertainty.instrument import add_correction_source, instrument_components
 from roughcontact.uncertainty.intervals import add_pressure, area_for_the_load, interval_columns
+from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.sample import sample_attributes
 from roughcontact.uncertainty.scales import AREA, PRESSURE, to_scale
 from roughcontact.uncertainty.solver import solver_components
@@ -101,8 +102,8 @@ def error_budget(
         requested, or that this map does not allow, is NaN. `{quantity}_as_measured` (load): of a map that was
         corrected for its instrument, the result without that. `{quantity}_at_cutoff` (load, cutoff): the
         magnification curve; `{quantity}_sensitivity` (load, input); `{quantity}_parts` (member, load): the
-        results of the subwindows. Attributes: `window_reason` describes the subwindows, `window_flag` their
-        deficiency.
+        results of the subwindows. For any sources `rejected_load_share` (load). Attributes: `window_reason`
+        describes the subwindows, `window_flag` their deficiency.
 
     Raises
     ------
@@ -130,9 +131,10 @@ def error_budget(
     contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
     # a load that does not converge gives NaN instead of ending the job
     lenient, load = {**contact, "on_failure": "flag"}, loads_of(contact)
-    columns: dict[str, tuple] = {}
+    share = rejected_load_share(levelled, window=settings["window"], contact=lenient)
+    columns: dict[str, tuple] = {"rejected_load_share": ("load", share)}
     if not (sources := add_correction_source(sources, window)):
-        return xr.Dataset(coords={"mean_pressure": ("load", load)})
+        return xr.Dataset(columns, {"mean_pressure": ("load", load)})
     solved = solve_contact(window, **contact, reduce=budget_inputs) if solved is None else solved
     as_solved = {name: solved[name].values for name in headline_names(solved)}
     result = Result(

@@ -20,7 +20,6 @@ from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.contact.elasticity.closed_forms import hertz_ellipse
 from roughcontact.contact.solve import solve_contact
 from roughcontact.evaluation.kinds.periodic_map import PeriodicMap, Settings, SolvedMap
-from roughcontact.evaluation.rejected import add_rejected
 from roughcontact.surface.preparation.finite_body import FiniteBodyPreparation
 from roughcontact.surface.window.finite_body import finite_body
 from roughcontact.uncertainty.budget import error_budget
@@ -57,18 +56,16 @@ class FiniteBody(FiniteBodyPreparation, PeriodicMap):
         shifts = [] if form["edges"] else _shifts(roughness, contact, form["radius"], windows - 1)
         # a single further position says nothing of others
         meaningless = ("unresolved", "window")[: 1 if len(shifts) >= _FEWEST else 2]
-        settings = {**settings, "window": {}, "contact": contact}
-        budget = error_budget(
+        return error_budget(
             roughness,
             roughness,
-            settings,
+            {**settings, "window": {}, "contact": contact},
             sources=[source for source in settings["uncertainty"]["sources"] if source not in meaningless],
             windows=windows,
             solved=inputs.drop_vars(ANSWERS, errors="ignore"),
             scatter_of=partial(scatter_of_positions, shifts),
             refine=halved_pixels,
         )
-        return add_rejected(budget, roughness, settings)
 
     def with_corrected_sizes(self, statistics: xr.Dataset, solved: xr.Dataset) -> xr.Dataset:
         """Return the statistics with area and radius of the contact that follow from the relative area."""

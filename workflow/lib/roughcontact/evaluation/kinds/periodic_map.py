@@ -11,7 +11,6 @@ from roughcontact.arguments.stacks import bodies_for_solver
 from roughcontact.contact.solve import SOLVER_SETTINGS
 from roughcontact.errors import HeightMapError
 from roughcontact.evaluation.elastic_loads import elastic_loads
-from roughcontact.evaluation.rejected import add_rejected
 from roughcontact.statistics.targets import TARGETS, wanted_loads
 from roughcontact.surface.faces.placing import place_attributes
 from roughcontact.surface.preparation.periodic_map import MapPreparation, Settings
@@ -78,7 +77,6 @@ class PeriodicMap(MapPreparation):
         sections, options = self.budget_arguments(solution)
         surface = self.measured_surface(solution)
         budget = error_budget(surface, solution.window, sections, **options, solved=solution.inputs)
-        budget = add_rejected(budget, surface, sections)
         if not solution.overviews:
             return budget
         place = place_attributes(solution.overviews, solution.levelled)

@@ -9,21 +9,7 @@ import xarray as xr
 from roughcontact.contact.fields import solved_fields
 from roughcontact.surface.levelling.rejected import rejected_points, restore_rejected
 from roughcontact.surface.window.periodic_window import periodic_window
-from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES
 from roughcontact.uncertainty.ensemble import TOLERANCE, loads_of
-
-
-def add_rejected(
-    budget: xr.Dataset, levelled_map: xr.DataArray, settings: Mapping[str, Mapping[str, Any]]
-) -> xr.Dataset:
-    """Return an error budget with `rejected_load_share` (load), by its arguments.
-
-    A load that does not converge has NaN, which ends no job.
-    """
-    contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
-    contact |= {"on_failure": "flag"}
-    share = rejected_load_share(levelled_map, window=settings["window"], contact=contact)
-    return budget.assign(rejected_load_share=("load", share))
 
 
 def rejected_load_share(
