@@ -570,7 +570,7 @@ def _mistakes_in_references(surfaces: Mapping[str, Surface]) -> Iterator[Setting
             wrong = f"is no other surface of the table; {nearest(reference, singles)}"
             if pairs & {name, reference}:
                 pair = name if name in pairs else reference
-                wrong = f"{pair} is a pair (counter_face), and single maps are compared; leave {column} out"
+                wrong = f"{pair} is a pair (counter_face); only single maps are compared; leave {column} out"
             elif name == reference:
                 wrong = "is the name of this row; give that of the other map of the place"
             yield in_cell(row, column, f"{column} = {reference!r}: {wrong}")
