@@ -77,7 +77,7 @@ def test_sources_may_be_left_out(maps, budget):
         partial_budget[name].sel(source="discretisation", drop=True),
         partial_budget[name].sel(source="combined", drop=True),
     )
-    assert not error_budget(*maps, SETTINGS, sources=[]).data_vars
+    assert list(error_budget(*maps, SETTINGS, sources=[]).data_vars) == ["rejected_load_share"]
     with pytest.raises(SettingsError, match="did you mean 'window'"):
         error_budget(*maps, SETTINGS, sources=["windows"])
 
