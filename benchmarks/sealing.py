@@ -145,7 +145,7 @@ def main():
     table = table_of(pd.DataFrame(rows))
     print(table.to_string(index=False))
     for seal, total in table.query("map == 'all'").groupby("seal"):
-        shares = [total[f"right of {of}"].item() / total[f"against {of}"].item() for of in OTHERS]
+        shares = [total[f"right of {truth}"].item() / total[f"against {truth}"].item() for truth in OTHERS]
         print(f"{seal}: right of the whole {shares[0]:.3f}, of other quarters {shares[1]:.3f}")
     if options.write:
         table.to_csv(options.write, index=False)

@@ -62,16 +62,21 @@ def _checked(body: Mapping[str, Any], where: str) -> dict[str, Any]:
             f"{where}.layers: must be a list of layers, from the surface inwards", keys=[f"{where}.layers"]
         )
     elastic_names = [name for name in _MATERIAL if body.get(name) is not None]
-    no_layers = base == "rigid" and not layers
-    wrong = {
-        f" = {base!r}: must be 'rigid'; an elastic base is the body itself, with youngs_modulus and "
-        "poissons_ratio, and what lies above it is in layers": base not in (None, "rigid"),
-        " = 'rigid': needs layers; a body rigid as a whole has youngs_modulus 1e20 and no base": no_layers,
-        f" = 'rigid' and {' and '.join(elastic_names)} given; give one of them: the elastic constants of a "
-        "layer belong to it, in layers": base == "rigid" and elastic_names,
-    }
-    for text in (text for text, is_so in wrong.items() if is_so):
-        raise SettingsError(f"{where}.base{text}", keys=[f"{where}.base"])
+    mistake = ""
+    if base not in (None, "rigid"):
+        mistake = (
+            f" = {base!r}: must be 'rigid'; an elastic base is the body itself, with youngs_modulus and "
+            "poissons_ratio, and what lies above it is in layers"
+        )
+    elif base == "rigid" and not layers:
+        mistake = " = 'rigid': needs layers; a body rigid as a whole has youngs_modulus 1e20 and no base"
+    elif base == "rigid" and elastic_names:
+        mistake = (
+            f" = 'rigid' and {' and '.join(elastic_names)} given; give one of them: the elastic constants "
+            "of a layer belong to it, in layers"
+        )
+    if mistake:
+        raise SettingsError(f"{where}.base{mistake}", keys=[f"{where}.base"])
     complete_body = dict(body) if base == "rigid" else {**body, **_material(body, where)}
     complete_body["layers"] = []
     for number, layer in enumerate(layers):

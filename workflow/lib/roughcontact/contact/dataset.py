@@ -148,12 +148,12 @@ def recorded_elasticity(contact: xr.Dataset) -> Elasticity:
     """
     influence: Influence = contact.attrs.get("influence", "sampled")
     check_choice("influence", influence, Influence)
-    return Elasticity(float(contact["contact_modulus"]), influence, recorded_medium(contact))
+    return Elasticity(float(contact["contact_modulus"]), influence, recorded_medium(contact.attrs))
 
 
-def recorded_medium(contact: xr.Dataset) -> Medium:
+def recorded_medium(attrs: Mapping[str, Any]) -> Medium:
     """Return the medium that `solve_contact` recorded in a contact's attributes, half-spaces without."""
-    return elastic_medium(json_attribute(contact.attrs, "bodies"))
+    return elastic_medium(json_attribute(attrs, "bodies"))
 
 
 def recorded_problem(contact: xr.Dataset) -> dict[str, Any]:

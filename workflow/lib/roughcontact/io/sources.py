@@ -229,12 +229,13 @@ def lines_not_used(
             "size": contradicts or strange_count or (strange_points and is_count),
             "unit": other_unit,
         }
-        for keys, doubt in (_DOUBTS[matter] for matter in _DOUBTS if applies[matter]):
+        # a line is quoted once
+        if doubt := next((_DOUBTS[matter] for matter in _DOUBTS if applies[matter]), None):
+            keys, words_of_doubt = doubt
             count = beyond_count or marker_count
             points = f"there {'is' if count == 1 else 'are'} {counted_noun(count, 'point')}"
-            sentence = doubt.format(number=number, text=text, points=points, **texts)
+            sentence = words_of_doubt.format(number=number, text=text, points=points, **texts)
             if keys:
                 raise InputFileError(sentence, keys=keys)
             notes.append(sentence)
-            break  # a line is quoted once
     return listing, notes

@@ -12,7 +12,7 @@ from roughcontact.arguments import materials
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.arguments.variables import Numbers
-from roughcontact.contact.elasticity.media import elastic_medium
+from roughcontact.contact.dataset import recorded_medium
 from roughcontact.statistics.conductance import knudsen_resistance_ratio
 from roughcontact.statistics.kinds import load_in_words, unit_of_pressures
 from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
@@ -232,7 +232,7 @@ def layers(statistics: Statistics, points: int) -> Check | None:
     >>> layers(xr.Dataset(sides, attrs={"bodies": bodies}), 4096).sentence.split(":")[0]
     'The thinnest layer (1.00 µm) is 1.0 pixels thick'
     """
-    medium = elastic_medium(json_attribute(statistics.attrs, "bodies"))
+    medium = recorded_medium(statistics.attrs)
     if medium.is_homogeneous:
         return None
     lengths = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]

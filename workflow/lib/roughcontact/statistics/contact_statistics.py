@@ -164,7 +164,7 @@ def contact_statistics(
     check_choice("stress", stress, Extra)
     check_keys("friction", friction, friction_statistics)
     bodies = bodies and named_bodies(bodies)
-    kind, medium = facts_of(contact.attrs), recorded_medium(contact)
+    kind, medium = facts_of(contact.attrs), recorded_medium(contact.attrs)
     body = _body_to_strain(stress, bodies, kind)
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)

@@ -76,9 +76,10 @@ def overview_arms(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return by how much the changes that an overview shows count, and its arms down and up (load).
 
-    The first is of the quantity, a second of its counterpart. The arms are over the expected size, `pixels`
-    those of the overview over those of the fine map: between those of the bank arms are interpolated in
-    their logarithm, finer ones have the nearest. Of much coarser ones nothing is known (inf).
+    The first is of the quantity, further ones of its counterparts. The arms are over the expected size,
+    `pixels` those of the overview over those of the fine map: between those of the bank arms are
+    interpolated in their logarithm, finer ones have the nearest. Of much coarser ones nothing is known
+    (inf).
     """
     by_pixels = table()["overview" if sees_map else "elsewhere"].get(measurand, {}).get(name, {})
     x, logarithms = math.log(pixels), np.log([float(key) for key in by_pixels])

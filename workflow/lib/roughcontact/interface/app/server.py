@@ -9,6 +9,7 @@ import sys
 import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 from urllib.parse import parse_qsl
 
 import uvicorn
@@ -96,8 +97,8 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         return response
 
     def report(request: Request) -> Response:
-        file, found = results.lookup_path(f"{request.path_params['name']}.html")
-        return HTMLResponse(page.with_bar(Path(file), f"/{token}/") if found else "", 200 if found else 404)
+        file, exists = results.lookup_path(f"{request.path_params['name']}.html")
+        return HTMLResponse(page.with_bar(Path(file), f"/{token}/") if exists else "", 200 if exists else 404)
 
     results = StaticFiles(directory="results", check_dir=False)
     routes = [
@@ -125,7 +126,7 @@ def is_admitted(request: Request, path: Sequence[str], port: int) -> bool:
 class Connection(H11Protocol):
     """A connection that ends where no whole request comes in time; of too many one that waits makes room."""
 
-    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn has it
+    def connection_made(self, transport: Any) -> None:  # narrower in uvicorn than in asyncio
         """Begin to wait for a request."""
         super().connection_made(transport)
         self.timeout_keep_alive_task = self.loop.call_later(_SILENCE, self.timeout_keep_alive_handler)
