@@ -39,7 +39,7 @@ def test_a_layer_like_its_base_is_the_half_space_bit_by_bit(influence):
         for body in (like, STEEL)
     )
     xr.testing.assert_identical(with_layers, without_layers)
-    assert recorded_medium(with_layers) is HALF_SPACES
+    assert recorded_medium(with_layers.attrs) is HALF_SPACES
 
 
 def test_bodies_without_layers_are_their_contact_modulus():
@@ -56,7 +56,7 @@ def test_the_solution_obeys_the_conditions_of_contact(bodies, influence):
     contact = solve_contact(
         height, bodies=bodies, mean_pressure=0.05, tolerance=1e-8, influence=influence
     ).isel(load=0)
-    layers = recorded_medium(contact)
+    layers = recorded_medium(contact.attrs)
     assert layers is not None
     halfspace = HalfSpace((64, 64), (1.0, 1.0), recorded_elasticity(contact))
     pressure = contact["pressure"].values
@@ -157,7 +157,7 @@ def test_the_stiffness_lies_between_the_differences_of_the_gap(bodies, influence
     contact = solve_contact(height, mean_pressure=loads, tolerance=1e-9, influence=influence, **elastic)
     touching = contact["pressure"].values > 0
     gaps = np.where(touching, 0.0, contact["gap"].values).mean((1, 2))
-    pair = recorded_medium(contact)
+    pair = recorded_medium(contact.attrs)
     modulus = float(contact["contact_modulus"])
     stiffness = [
         1 / linear_response(contact_set, spacing(height), Elasticity(modulus, influence, pair), 1e-5)
