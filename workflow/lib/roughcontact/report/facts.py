@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.lays import are_lines, ensemble_in_words
 from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
@@ -22,7 +23,6 @@ from roughcontact.statistics.adhesion import adhesion_in_words
 from roughcontact.statistics.friction import slip_in_words
 from roughcontact.statistics.kinds import facts_of_numbers, load_in_words
 from roughcontact.surface.levelling.record import removed_and_filled
-from roughcontact.surface.profiles.surface import are_lines, surfaces_behind
 from roughcontact.surface.roughness.profile_parameters import profile_parameters
 from roughcontact.surface.roughness.texture import LAY
 from roughcontact.surface.window.band import shortest_reliable_wave
@@ -196,7 +196,7 @@ def waves_in_words(window: xr.DataArray) -> str:
     """
     shortest = shortest_reliable_wave(window)
     text = f"waves longer than {quantity(shortest, 'm')}" if shortest else ""
-    text = ", ".join(filter(None, [surfaces_behind(window), text]))
+    text = ", ".join(filter(None, [ensemble_in_words(window), text]))
     if causes := window.attrs.get("corrected_for"):
         text = f"{text or 'the map'}, corrected for {causes}"
     return text

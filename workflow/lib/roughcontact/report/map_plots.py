@@ -6,12 +6,12 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.lays import are_lines
 from roughcontact.arguments.maps import dimensions, side_lengths
 from roughcontact.arguments.quantities import Unit
 from roughcontact.report.charts import COLOURS, Axis, Chart
 from roughcontact.report.colours import colour_scale, coloured
 from roughcontact.report.units import length_unit
-from roughcontact.surface.profiles.surface import are_lines
 
 _MICROMETRES, _MEGAPASCALS = Unit(1e6, "µm"), Unit(1e-6, "MPa")
 _WIDTH = 240.0  # of a square picture, pixels

@@ -7,6 +7,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import AREA, GAP, PRESSURE, UNITS
 from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.lays import ensemble_in_words
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.stacks import properties_of_bodies
@@ -16,7 +17,6 @@ from roughcontact.report.template import paragraph, template
 from roughcontact.report.units import interval_at, number_text, unit_of
 from roughcontact.statistics.decisions import CLOSED
 from roughcontact.statistics.kinds import facts_of_numbers
-from roughcontact.surface.profiles.surface import surfaces_behind
 from roughcontact.uncertainty.sample import MEASURAND_IN_WORDS
 
 _MAX_LOADS = 3  # whose answers a paragraph has: the lowest, one between, the highest
@@ -47,7 +47,7 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
         sha256=[f"{text[:8]}…" for text in str(attrs.get("source_sha256", "")).split(" + ") if text],
         sides=[length for length in lengths if math.isfinite(length)],
         periodisation=attrs.get("periodisation", settings["window"]["method"]),
-        drawn_from=surfaces_behind(statistics),
+        drawn_from=ensemble_in_words(statistics),
         **{name: float(statistics[name]) for name in ("rms_height", "rms_gradient", "contact_modulus")},
         bodies=bodies_in_words(contact),
         layered=bool(properties_of_bodies(contact["bodies"])),

@@ -5,10 +5,10 @@ from typing import Any, ClassVar
 
 import xarray as xr
 
+from roughcontact.arguments.lays import check_single_map
 from roughcontact.errors import HeightMapError
 from roughcontact.surface.faces.placing import overview_with_place
 from roughcontact.surface.levelling.level import level
-from roughcontact.surface.profiles.surface import check_single_map
 from roughcontact.surface.window.instrument import window_arguments
 from roughcontact.surface.window.periodic_window import periodic_window
 

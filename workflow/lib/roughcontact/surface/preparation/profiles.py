@@ -6,14 +6,10 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.arguments.kinds import facts_of_settings
+from roughcontact.arguments.lays import ensemble_in_words, lay_facts
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.surface.preparation.periodic_map import MapPreparation, Settings
-from roughcontact.surface.profiles.surface import (
-    is_drawn,
-    levelled_profiles,
-    surface_from_profiles,
-    surfaces_behind,
-)
+from roughcontact.surface.profiles.surface import levelled_profiles, surface_from_profiles
 
 
 class ProfilesPreparation(MapPreparation):
@@ -24,7 +20,7 @@ class ProfilesPreparation(MapPreparation):
     @classmethod
     def includes(cls, height: xr.DataArray, settings: Settings) -> bool:
         """Return whether profiles, or the window made of them, have a surface behind them."""
-        return is_drawn(height)
+        return lay_facts(height.attrs).has_surface_behind
 
     def level(self, height: xr.DataArray, options: Mapping[str, Any]) -> xr.DataArray:
         """Return profiles (number, x; m), each levelled by itself."""
@@ -47,4 +43,4 @@ class ProfilesPreparation(MapPreparation):
         surface = surface.assign_attrs(form="none", form_removed="{}", outliers_rejected=0)
         window = super().window(surface, settings)
         form = {key: levelled.attrs[key] for key in ("form", "form_removed")}
-        return window.assign_attrs(form, window_reason=f"One of {surfaces_behind(surface)}.")
+        return window.assign_attrs(form, window_reason=f"One of {ensemble_in_words(surface)}.")

@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.checking import check_labelled, check_positive
-from roughcontact.arguments.lays import BOTH, ISOTROPIC, check_lay, lay_facts
-from roughcontact.arguments.maps import dimensions, height_map, spacing
+from roughcontact.arguments.lays import BOTH, ISOTROPIC, check_lay, check_lines, have_lines, lay_facts
+from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.arguments.measurement import json_attributes
-from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
+from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.arguments.si import as_si, labelled_in_si
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.kernels.fourier import sums_of_products
@@ -158,7 +158,7 @@ def _rows(profiles: Profiles) -> list[xr.DataArray]:
     """Return profiles, or arrays of these, one by one (1, x; m)."""
     profile_list = [profiles] if isinstance(profiles, xr.DataArray) else profiles
     arrays = [labelled_in_si(check_labelled(profile)) for profile in profile_list]
-    if not arrays or not all(map(_have_lines, arrays)):
+    if not arrays or not all(map(have_lines, arrays)):
         shapes = ", ".join(f"{array.shape[1]} x {array.shape[0]}" for array in arrays) or "no"
         raise HeightMapError(f"profiles: have {shapes} points; give one-row maps, one or more")
     arrays = [array if array.shape[1] > 1 else array.rename(x="y", y="x").T for array in arrays]
@@ -183,17 +183,6 @@ def fit_profiles(stack: xr.DataArray) -> ProfileFit:
     return ProfileFit(directions, max(1, form_order(stack)))
 
 
-def is_drawn(height: xr.DataArray | xr.Dataset) -> bool:
-    """Return whether of profiles, or of what was made of them, a surface behind them is solved."""
-    return lay_facts(height.attrs).has_surface_behind
-
-
-def are_lines(height: xr.DataArray) -> bool:
-    """Return whether the rows of a map (y, x) are profiles, no surface behind them and no areal map."""
-    is_window = "window_reason" in height.attrs
-    return dimensions(height.shape) == 1 or (is_drawn(height) and not is_window)
-
-
 def with_lay(height: xr.DataArray, lay: str | None, along: Profiles) -> xr.DataArray:
     """Return a map (y, x; m) with the stated lay of its profiles, and others `along` it as its last rows."""
     if lay is not None:
@@ -210,32 +199,6 @@ def with_lay(height: xr.DataArray, lay: str | None, along: Profiles) -> xr.DataA
     return stacked(height, along) if len(along) else height
 
 
-def check_single_map(height: xr.DataArray) -> None:
-    """Raise an error for a map with a lay, which profiles have, and for profiles without a surface behind."""
-    _check_lines(height)
-    if height.attrs.get("profiles", 1) > 1:
-        lay = height.attrs.get("lay", "not stated")
-        raise HeightMapError(
-            f"lay = {lay}: several profiles have one answer where lay = none, or with others "
-            "along the lay; name these as well, or one profile"
-        )
-
-
-def _have_lines(height: xr.DataArray) -> bool:
-    """Return whether the rows of an array are profiles, one or several."""
-    return dimensions(height.shape) == 1 or "profiles" in height.attrs
-
-
-def _check_lines(height: xr.DataArray) -> None:
-    """Raise HeightMapError for an areal map with a lay, which profiles have."""
-    lay = height.attrs.get("lay")
-    if lay and not _have_lines(height):
-        points = f"{height.shape[1]} x {height.shape[0]}"
-        raise HeightMapError(
-            f"lay = {lay}: is of profiles, and this is a map of {points} points; leave it out"
-        )
-
-
 def levelled_profiles(height: xr.DataArray, options: Mapping[str, Any]) -> xr.DataArray:
     """Return profiles (number, x; m) with a surface behind them, each levelled by itself."""
     if "stretch" in height.attrs:
@@ -243,15 +206,9 @@ def levelled_profiles(height: xr.DataArray, options: Mapping[str, Any]) -> xr.Da
             "this surface was drawn from profiles: evaluate these with lay = none, for their ±, or solve it "
             "by solve_contact"
         )
-    _check_lines(height)
+    check_lines(height)
     directions = split_by_direction(stacked(height))
     return stacked(*([level(_trim_missing(row), **options) for row in rows] for rows in directions))
-
-
-def surfaces_behind(synthetic: xr.DataArray | xr.Dataset) -> str:
-    """Return in words the surfaces of which a drawn one, or its statistics, is an example; else nothing."""
-    attrs = synthetic.attrs
-    return lay_facts(attrs).ensemble.format(profiles=counted_noun(attrs.get("profiles", 1), "profile"))
 
 
 def profile_pieces(profiles: Sequence[xr.DataArray]) -> tuple[np.ndarray, float]:
