@@ -107,6 +107,14 @@ def test_what_is_given_again_adds_to_what_was_given(folder):
     assert settings["contact"]["unload"] is not None
 
 
+def test_a_file_after_a_single_value_is_a_file(folder):
+    np.save("a.npy", np.ones((4, 4)))
+    assert main(["init", *BODIES, "--force", "20N", "--area", "3cm2", "a.npy"]) == 0
+    (settings,) = resolve(yaml.safe_load(Path("config/config.yaml").read_text(encoding="utf-8"))).values()
+    assert (settings["contact"]["force"], settings["contact"]["area"]) == ([20.0], 3e-4)
+    assert Path("config/surfaces.tsv").read_text().splitlines()[-1] == "a\ta.npy"
+
+
 def test_init_takes_resistivity_layers_and_a_film(folder):
     (folder / "pad.npy").write_text("1 2")
     joint = ("gas_conductivity=0.026", "temperature_jump=0.37um", "film_thickness=5nm", "film_conductivity=2")

@@ -314,9 +314,9 @@ def facts_of(attrs: Mapping[str, Any]) -> KindFacts:
     return facts_of_settings({"contact": attrs})
 
 
-def sections_on_form(radius: Collection[float]) -> dict[str, dict[str, Any]]:
-    """Return the sections of settings of a map that is the roughness of a form of one radius or two (m)."""
-    return {"contact": {"boundary": FINITE_BODY.boundary}, "form": {"radius": radius}} if radius else {}
+def settings_on_form(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what follows from settings, by their dotted names, of a map that is the roughness of a form."""
+    return {"contact.boundary": FINITE_BODY.boundary} if settings.get("form.radius") else {}
 
 
 def number_of_faces(attrs: Mapping[str, Any]) -> int:

@@ -49,25 +49,17 @@ _EXAMPLES = {
 }
 
 # options of `init` and `solve` for sections of the statistics
-_DERIVED = {
-    "seal": "the fluid that a seal holds, and its width",
-    "joint": "the gas in the gap, and a film on the spots in contact",
-    "requirement": "what the surface has to meet: thermal_resistance, contact_area ...",
-    "friction": "a tangential load, or sliding",
-}
+_DERIVED = ("seal", "joint", "requirement", "friction")
 
-# options of `init` for other settings, by their names, and for columns of the table
-_LOADS_AND_FORM = {
-    "mean-pressure": "nominal pressures, Pa, or with their unit",
-    "force": "forces, N, on the area, or on a body of finite size",
-    "area": "nominal area that carries the force, m²",
-    "form-radius": "of a ball or an ellipsoid, m, on which the map is the roughness (boundary: free)",
-    "level-form": "form that is subtracted: plane (default), polynomial, sphere, cylinder (a bullet land)",
+# options of `init` for other settings, and for columns of the table
+_INITIAL = {
+    "mean-pressure": "contact.mean_pressure",
+    "force": "contact.force",
+    "area": "contact.area",
+    "form-radius": "form.radius",
+    "level-form": "level.form",
 }
-_COLUMNS = {
-    "lay": "of profiles: across (one lay, the profiles across it) or none (alike in all directions)",
-    "parts": "2x2: cut each map into so many parts along x and y, each solved as if measured alone",
-}
+_COLUMNS = ("lay", "parts")
 _GROUP = (
     "name of a finish or a workpiece, and its maps, whose numbers then stand together; again for the next, "
     "with which it is compared. Without files: of all maps"
@@ -262,17 +254,18 @@ def _endings(content: Mapping[str, str]) -> str:
 
 def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
     """Add the options of `init` for materials, loads, form, columns of the table and what is derived."""
-    from roughcontact.interface.command_line.options import add_body
+    from roughcontact.interface.command_line.options import add_body, add_setting
+    from roughcontact.study.surfaces import column_meaning
 
     add_body(parser)
-    for option, text in _LOADS_AND_FORM.items():
-        parser.add_argument(f"--{option}", nargs="+", action="extend", metavar="VALUE", help=text)
+    for option, name in _INITIAL.items():
+        add_setting(parser, f"--{option}", name)
     text = "solve also the removal of the heaviest load: the shape that is left"
     parser.add_argument("--unload", action="store_true", help=text)
     metavar = ("NAME", "FILE")
     parser.add_argument("--group", nargs="+", action="append", default=[], metavar=metavar, help=_GROUP)
-    for column, text in _COLUMNS.items():
-        parser.add_argument(f"--{column}", metavar="TEXT", help=text)
+    for column in _COLUMNS:
+        parser.add_argument(f"--{column}", metavar="TEXT", help=column_meaning(column))
     _add_derived(parser)
 
 
@@ -285,8 +278,8 @@ def _add_derived(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--allowed-pressure", metavar="VALUE", help=text)
     text = "always: solve the flow through the gap, for the verb table, without a seal, too"
     group.add_argument("--flow", metavar="VALUE", help=text)
-    for name, holds in _DERIVED.items():
-        text = f"{holds}: {keys_in_words(f'statistics.{name}')}".replace("%", "%%")
+    for name in _DERIVED:
+        text = keys_in_words(f"statistics.{name}").replace("%", "%%")
         group.add_argument(f"--{name}", nargs="+", action="extend", metavar="KEY=VALUE", help=text)
 
 
@@ -436,7 +429,8 @@ def _warnings_in_words() -> Iterator[None]:
 
 def _init(options: argparse.Namespace) -> int:
     """Write settings and table, and print the next steps."""
-    from roughcontact.arguments.kinds import sections_on_form
+    from roughcontact.arguments.kinds import settings_on_form
+    from roughcontact.arguments.settings.fields import grouped
     from roughcontact.interface.command_line.options import message_with_options, parse_bodies
     from roughcontact.interface.command_line.project import collect_files, problems, write_project
 
@@ -449,21 +443,18 @@ def _init(options: argparse.Namespace) -> int:
         groups |= dict.fromkeys(of_group, name)
         omissions += others_in_folder
     files = list(dict.fromkeys([*files, *groups]))
-    contact: dict[str, Any] = {"bodies": parse_bodies(options.body)} if options.body else {}
-    contact |= {name: value for name in ("mean_pressure", "force") if (value := getattr(options, name))}
-    contact |= {"area": options.area[0]} if options.area else {}
-    contact |= {"unload": True} if options.unload else {}
     columns = {name: value for name in _COLUMNS if (value := getattr(options, name))}
-    sections = sections_on_form(options.form_radius)
-    sections["contact"] = contact | sections.get("contact", {})
-    sections |= {"level": {"form": options.level_form[0]}} if options.level_form else {}
-    sections["statistics"] = _derived(options)
+    settings = {name: value for name in _INITIAL.values() if (value := getattr(options, name)) is not None}
+    settings |= settings_on_form(settings)
+    settings |= {"contact.bodies": parse_bodies(options.body)} if options.body else {}
+    settings |= {"contact.unload": True} if options.unload else {}
+    sections = grouped(settings) | {"statistics": _derived(options)}
     try:
-        settings, table = write_project(files, sections=sections, columns=columns, groups=groups)
+        config, table = write_project(files, sections=sections, columns=columns, groups=groups)
     except SettingsError as error:
         raise SettingsError(message_with_options(error)) from error
     if not options.body:
-        print(f"{settings}: state your materials and loads under `contact` (or here, with --body twice)")
+        print(f"{config}: state your materials and loads under `contact` (or here, with --body twice)")
     print(f"{table}: {len(files) or 'no'} surface{'s' * (len(files) != 1)}, a row each")
     if omissions:
         print(f"left out, as no measurements: {', '.join(omissions)}")

@@ -38,7 +38,7 @@ from roughcontact.statistics.decisions import (
     gap_is_closed,
     is_yielding,
 )
-from roughcontact.statistics.kinds import reason_without_flow
+from roughcontact.statistics.kinds import facts_of_numbers, reason_without_flow
 from roughcontact.statistics.outcome import FAILED, VERDICTS
 from roughcontact.statistics.precision import is_known, precision_in_words
 
@@ -275,7 +275,7 @@ def _load_cell(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     if not has_number(numbers, "force"):
         return cell
     # that of a body of finite size is over a map of any size
-    pressure = "" if has_number(numbers, "contact_radius") else cell.text
+    pressure = "" if facts_of_numbers(numbers).own_numbers else cell.text
     return cell._replace(text=quantity(float(numbers["force"][index]), "N"), details=pressure)
 
 

@@ -120,14 +120,14 @@ def write_report(
         "further": [glance.load_heading(results), *(glance.HEADINGS[column] for column in further[1:])],
     }
     head |= {"single": len(rows) == 1, "open_below": OPEN_BELOW, "open_parts": OPEN_PARTS}
-    # placements of one pair of faces were compared by nobody who asked
-    placements = {
+    # members of a group that is compared with no other: nobody asked for that
+    uncompared = {
         _name(str(name), group.case)
         for group in groups
         if not group.members.is_compared
         for name in group.answer["map"].values
     }
-    asked = {labels: table for labels, table in (compared or {}).items() if not placements & {*labels}}
+    asked = {labels: table for labels, table in (compared or {}).items() if not uncompared & {*labels}}
     several = differences_in_words(asked) or groups_in_words(groups, series)
     if results and not (several or groups):
         several = surfaces_in_words({_name(*key): data for key, data in series.items()})

@@ -194,8 +194,7 @@ class Plan:
             cases = [case for case in self.cases if owners[case, "contact"] != case]
         if {*STAGES.get(rule, ())} & {*AFTER}:
             cases = [case for case in self.cases if rule in self.further_rules(case)]
-        pairs = regex_of_names(dict.fromkeys(placement.pair for placement in self.placements.values()))
-        last = max((placement.number for placement in self.placements.values()), default=0)
+        pairs, last = regex_of_names(self.pairs), max(map(len, self.pairs.values()), default=0)
         face = f"{pairs}-(?:counter-)?face"
         placement = f"{pairs}-{regex_of_names(map(str, range(1, last + 1)))}"
         surveyed = regex_of_names(self.with_overview)

@@ -103,7 +103,8 @@ class RuleArguments:
             # of files made before: by dates alone a copy of a run that was killed may look complete
             params["measured"] = _for_result(lambda result: _checksums(plan.all_sources(result)))
             params["origin"] = _for_result(lambda result: plan.origin("window", result, checksum))
-        return params | ({} if rule in ("superpose", "panel", "unload", "wear", "slide") else {"row": row})
+        has_row = rule.startswith("prepare") or rule in ("contact", "statistics")
+        return params | ({"row": row} if has_row else {})
 
     def resources_of(self, rule: Rule) -> dict[str, Callable[..., int] | None]:
         """Return memory (MB) and run time (minutes) of a job, by the size of its map.

@@ -11,7 +11,8 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from roughcontact.arguments.settings.fields import fields_at, grouped, is_list
+from roughcontact.arguments.settings.fields import fields_at, grouped, is_list, section_model
+from roughcontact.arguments.settings.models import Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.errors import SettingsError
 
@@ -20,31 +21,17 @@ _WITHOUT_OPTION = {"bodies", "keep_fields", "unload"}
 _BODY = ("youngs_modulus", "poissons_ratio", "hardness")
 _LAYER = ("thickness", "youngs_modulus", "poissons_ratio")
 _LOADS = ("mean_pressure", "relative_pressure", "force")  # one or the other
-_HEADINGS = {  # of the sections of settings
-    "contact": "contact (give --contact-modulus or --body twice)",
-    "level": "levelling",
-    "window": "periodic window",
-    "form": "form of a body of finite size (--boundary free)",
-    "uncertainty": "error budget, the ± of the numbers",
-    "instrument": "what is known of the instrument, for the ±",
-}
+_SECTIONS = ("contact", "level", "window", "form", "uncertainty", "instrument")
 
 
 def add_settings(parser: ArgumentParser) -> None:
     """Add an option for each setting of the stages to the parser of `roughcontact solve`."""
-    groups = {section: parser.add_argument_group(heading) for section, heading in _HEADINGS.items()}
+    models = {section: section_model(Settings.model_fields[section]) for section in _SECTIONS}
+    groups = {section: parser.add_argument_group(section, model.__doc__) for section, model in models.items()}
     elasticity, loads = (groups["contact"].add_mutually_exclusive_group() for _ in range(2))
     together = {"contact_modulus": elasticity} | dict.fromkeys(_LOADS, loads)
-    for section, key, option, field in _options():
-        text = field.description or ""
-        default_value = field.get_default(call_default_factory=True)
-        if default_value is not None:
-            default_text = " ".join(default_value) if isinstance(default_value, list) else str(default_value)
-            text += f" (default: {default_text.lower() if isinstance(default_value, bool) else default_text})"
-        several: dict[str, Any] = {"nargs": "*", "action": "extend"} if is_list(field.annotation) else {}
-        together.get(key, groups[section]).add_argument(
-            option, dest=f"{section}.{key}", metavar="VALUE", help=text.replace("%", "%%"), **several
-        )
+    for section, key, option, _ in _options():
+        add_setting(together.get(key, groups[section]), option, f"{section}.{key}")
     add_body(elasticity)
     parser.add_argument(
         "--threads",
@@ -53,6 +40,18 @@ def add_settings(parser: ArgumentParser) -> None:
         metavar="NUMBER",
         help="threads of the solve (default: %(default)s)",
     )
+
+
+def add_setting(parser: ArgumentParser | _ArgumentGroup, option: str, name: str) -> None:
+    """Add the option of a setting, by its dotted name, with its meaning and its default."""
+    section, key = name.split(".")
+    field = fields_at([section])[key]
+    text, default_value = field.description or "", field.get_default(call_default_factory=True)
+    if default_value is not None:
+        default_text = " ".join(default_value) if isinstance(default_value, list) else str(default_value)
+        text += f" (default: {default_text.lower() if isinstance(default_value, bool) else default_text})"
+    several: dict[str, Any] = {"nargs": "*", "action": "extend"} if is_list(field.annotation) else {}
+    parser.add_argument(option, dest=name, metavar="VALUE", help=text.replace("%", "%%"), **several)
 
 
 def add_body(parser: ArgumentParser | _ArgumentGroup) -> None:
@@ -192,7 +191,7 @@ def _name_options(mistake: SettingsError) -> str:
 
 def _options() -> Iterator[tuple[str, str, str, FieldInfo]]:
     """Yield (section, key, option, field) of every setting with an option."""
-    for section in _HEADINGS:
+    for section in _SECTIONS:
         for key, field in fields_at([section]).items():
             if key not in _WITHOUT_OPTION:
                 prefix = "" if section == "contact" else f"{section}-"
