@@ -59,6 +59,14 @@ class Browser:
         self.attach(self.send("Target.createTarget", url="about:blank")["targetId"])
         return previous_page
 
+    def follow(self, selector):
+        """Click on a link that opens a page of its own, and drive that."""
+        known = {target["targetId"] for target in self._targets()}
+        self.evaluate(f"document.querySelector({json.dumps(selector)}).click()")
+        while not (opened := {target["targetId"] for target in self._targets()} - known):
+            time.sleep(0.05)
+        self.attach(opened.pop())
+
     def start_again(self):
         """Close all pages, drive a new one, and forget the problems."""
         self.session = None

@@ -26,6 +26,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
+import xarray as xr
 import yaml
 from browser import CHROMIUM, Browser
 from packaging.requirements import Requirement
@@ -43,8 +44,11 @@ from roughcontact.interface.app.jobs import JOBS
 from roughcontact.interface.app.measurements import save_upload
 from roughcontact.interface.app.page import Page
 from roughcontact.interface.app.study import CONFIG, check
+from roughcontact.interface.command_line.saving import EXPORTS
 from roughcontact.io import inspection, registry
+from roughcontact.io.guards import sha256
 from roughcontact.report.summary import Summary, write_summary
+from roughcontact.results.storage import write_dataset
 from roughcontact.study.surfaces import column_choices, column_meaning, read_surfaces
 
 in_browser = [pytest.mark.browser, pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")]
@@ -289,25 +293,33 @@ class TestFiveSteps:
                 assert browser.evaluate("document.querySelectorAll('iframe, frame, object').length") == 0
             browser.evaluate("document.documentElement.scrollTo(0, 0)")
             picture(browser, "app-look")
-            # what lies beside, and back
+            # what lies beside: what would halve the ±, and exports, which open in a tab of their own
             click(browser, "#steps summary")
             browser.wait("document.querySelector('#results').checkVisibility()")
-            click(browser, "#steps a[href$='#exports']")
-            browser.wait("location.hash === '#exports' && document.body.ariaBusy === 'false'")
+            assert browser.text("#results").count("To halve the ± of the contact area: ") == 3
+            report_page = browser.session
+            for form, (holds, _) in EXPORTS.items():
+                assert holds in browser.text("#exports"), form
+                links = f"document.querySelectorAll('#results a[href$=\"form={form}\"]')"
+                assert browser.evaluate(f"{links}.length") == 3
+            browser.follow("#results li:first-child a[href$='form=methods']")
+            browser.wait("document.body.innerText.startsWith('roughcontact methods results/')")
+            assert "contact area" in browser.text("body")
+            browser.session = report_page
+            click(browser, "#results li:nth-child(3) a[href$='form=.gsf']")
+            in_time(lambda: list((study / "exports").glob("*.gsf")))
+            browser.follow("#results li:first-child a[href$='form=compare']")
+            browser.wait("document.querySelectorAll('li a').length === 2")  # not with itself
+            click(browser, "li a")
+            browser.wait("document.body.innerText.includes('numbers')")
+            assert browser.text("body").startswith("roughcontact compare results/")
+            browser.session = report_page
+            # and back
+            click(browser, "#steps a[href$='#look']")
+            browser.wait("location.hash === '#look' && document.body.ariaBusy === 'false'")
             assert "opened in another page" not in browser.text("body")
             browser.wait("document.querySelector('#results').children.length === 3")
             assert browser.text("#results").count("To halve the ± of the contact area: ") == 3
-            click(browser, "#compare")
-            browser.wait("document.querySelector('#answer').textContent.includes('numbers')")
-            assert browser.text("#command").startswith("roughcontact compare results/")
-            assert len({*browser.text("#command").split()}) == 4  # not with itself
-            browser.evaluate("document.querySelector('#result').value = 'one'")
-            browser.evaluate("document.querySelector('#form').value = '.gsf'")
-            click(browser, "#export")
-            command = "roughcontact export results/one -o exports/one.gsf"
-            browser.wait(f"document.querySelector('#command').textContent === '{command}'")
-            browser.wait("document.querySelector('#problem').textContent === ''")
-            assert (study / "exports/one.gsf").is_file()
             # results of other settings say so, until the settings are theirs again
             assert browser.text("#results").count("Of other settings") == 0
             fill(browser, "contact.mean_pressure", "6 MPa")
@@ -886,8 +898,8 @@ class TestNothingOutsideTheStudy:
         async def content():
             yield b"echo evil"
 
-        form = {**fields, "page.result": "one", "page.before": "one", "page.form": ".csv"}
-        actions = {name: partial(Page().after, name, form) for name in ("write", "start", "export")}
+        actions = {name: partial(Page().after, name, fields) for name in ("write", "start")}
+        actions["export"] = partial(commands.export, "one", ".csv", "one", plan=None)
         actions["drop"] = lambda: asyncio.run(save_upload("new.txt", content()))
         actions["serve"] = partial(server.serve, study)
         for name, action in actions.items():
@@ -991,6 +1003,28 @@ class TestFilesOfOthers:
                 assert "results/one/panel.json: no summary of a panel; delete " in answer
                 assert "4 Run" in answer
 
+    def test_results_of_another_measured_file_or_other_settings(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        maps(tmp_path / "measured", 8)
+        page, note = Page(), "Of other settings or another measured file: run again."
+        page.after("write", STUDY)
+        settings = json.dumps(page.plan.settings("statistics", "one"), sort_keys=True)
+        measured = tmp_path / "measured/one.x3p"
+        origin = {"settings": settings, "source_sha256": sha256(measured)}
+        write_dataset(xr.Dataset(attrs=origin), tmp_path / "results/one/statistics.nc")
+        write_summary(SUMMARY, tmp_path / "results/one/panel.json")
+        (tmp_path / "results/report.html").write_text("<html><head></head><body>old</body></html>")
+        assert note not in page.after("check", STUDY)
+        assert "run again" not in page.with_bar(Path("results/report.html"), "/")
+        assert note in page.after("check", STUDY | {"contact.mean_pressure": "6 MPa"})
+        assert note in page.after("check", STUDY | {"rows.0.crop": "0 0 4 4 um"})
+        assert note not in page.after("check", STUDY)
+        measured.write_bytes(x3p_bytes(np.zeros((8, 8)), 1e-6))
+        assert note in page.after("check", STUDY)
+        # on the page of the report as well, before it
+        bar, _, _ = page.with_bar(Path("results/report.html"), "/").partition("old")
+        assert "1 of other settings or another measured file: run again" in bar
+
     def test_an_unforeseen_error_is_a_sentence_of_the_page(self, tmp_path, monkeypatch):
         with served(tmp_path / "study") as address:
             press = opened(address)
@@ -1031,7 +1065,7 @@ class TestOtherUsers:
         assert not list((tmp_path / "study/.snakemake").glob("page.html"))
         assert not (tmp_path / "of-somebody").exists()
 
-    def test_connections_that_never_ask_are_closed_and_keep_nobody_out(self, tmp_path):
+    def test_connections_that_never_ask_keep_nobody_out(self, tmp_path):
         def few_files():
             resource.setrlimit(resource.RLIMIT_NOFILE, (200, 200))
 
@@ -1039,27 +1073,24 @@ class TestOtherUsers:
             served(tmp_path / "study", preexec_fn=few_files) as address,
             contextlib.ExitStack() as connections,
         ):
-            port = urllib.parse.urlsplit(address).port
+            parts = urllib.parse.urlsplit(address)
             for number in range(300):
-                silent = connections.enter_context(socket.create_connection(("127.0.0.1", port), timeout=30))
+                silent = socket.create_connection(("127.0.0.1", parts.port), timeout=30)
+                connections.enter_context(silent)
                 with contextlib.suppress(OSError):  # it has been closed
                     silent.sendall((b"", b"GET", b"GET / HTTP/1.1\r\nHost: a\r\n")[number % 3])
             press = opened(address)
             assert press("state")[0] == 200
             name = re.search(r'data-page="(\w+)"', get(address)[1])[1]
-            slow = connections.enter_context(socket.create_connection(("127.0.0.1", port), timeout=30))
-            target = f"{urllib.parse.urlsplit(address).path}drop?page={name}&name=a.txt"
-            head = f"POST {target} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Length: 7\r\n\r\n"
-            slow.sendall(head.encode())
-            for _ in range(7):
-                time.sleep(1)
-                with contextlib.suppress(OSError):  # a letter a second gives no more time ...
-                    silent.sendall(b"a")
-                slow.sendall(b"1")  # ... but to the body of a whole request
+            # the body of a whole request is waited for, however many others come
+            slow = connections.enter_context(socket.create_connection(("127.0.0.1", parts.port), timeout=30))
+            head = f"POST {parts.path}drop?page={name}&name=a.txt HTTP/1.1\r\nContent-Length: 70\r\n"
+            slow.sendall(f"{head}Host: 127.0.0.1:{parts.port}\r\n\r\n".encode())
+            for _ in range(70):
+                connections.enter_context(socket.create_connection(("127.0.0.1", parts.port), timeout=30))
+                slow.sendall(b"1")
             assert slow.recv(12) == b"HTTP/1.1 200"
-            assert (tmp_path / "study/measured/a.txt").read_text() == "1" * 7
-            with contextlib.suppress(ConnectionError):
-                assert silent.recv(1) == b""
+            assert (tmp_path / "study/measured/a.txt").read_text() == "1" * 70
             assert get(address)[0] == 200
 
     def test_a_page_that_is_terminated_ends_its_run(self, tmp_path):
@@ -1526,7 +1557,7 @@ class TestForm:
         ]
         checked = check(texts, [row | columns for row in rows], job=job)
         assert checked["mistakes"] == {}
-        assert list(checked["results"]) == ["one", "two"]
+        assert list(checked["plan"].results) == ["one", "two"]
 
     def test_the_channel_that_is_read_is_named(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)

@@ -1,6 +1,5 @@
 """The commands of the terminal that the page starts: the run, whose screen is a file, and exports."""
 
-import json
 import os
 import shlex
 import sys
@@ -11,13 +10,15 @@ from pathlib import Path
 from subprocess import DEVNULL, STDOUT, Popen, run
 from typing import Any
 
-from roughcontact.arguments.measurement import json_attribute
+from roughcontact.arguments.settings.stages import origin_id
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.interface.app import measurements
 from roughcontact.interface.app.study import check_within_study
 from roughcontact.interface.command_line.saving import EXPORTS
 from roughcontact.report.summary import Summary, read_summary
 from roughcontact.results.storage import opened_dataset
+from roughcontact.study.checksums import checksum
+from roughcontact.study.plan import Plan
 from snakemake_logger_plugin_roughcontact.screen import BAR, ERASE
 
 RESULTS = Path("results")
@@ -60,18 +61,18 @@ class Run:
         return {"running": self.running(), "code": code, "lines": lines, "bar": bar}
 
 
-def results(settings: Mapping[str, Any] | None) -> dict[str, tuple[Mapping[str, Any], bool]]:
-    """Return the summary of each result with a name that has settings, and whether it is of these.
+def results(plan: Plan | None) -> dict[str, tuple[Mapping[str, Any], bool]]:
+    """Return the summary of each result of a plan, and whether it is of its settings and measured files.
 
-    They are in the order of the table. Where no settings are known, all results are those of others.
+    They are in the order of the table. Where no plan is known, all results are those of others.
     """
     panels = {panel.parent.relative_to(RESULTS).as_posix(): panel for panel in RESULTS.rglob("panel.json")}
     values = {}
-    for name in sorted(panels) if settings is None else filter(panels.get, settings):
+    for name in sorted(panels) if plan is None else filter(panels.get, plan.results):
         panel = panels[name]
-        made_with = _settings_of(panel.with_name("statistics.nc"), panel.stat().st_mtime_ns)
-        wanted = None if settings is None else json.loads(json.dumps(settings[name]))
-        values[name] = _summary(panel), made_with == wanted
+        origin = _origin(panel.with_name("statistics.nc"), panel.stat().st_mtime_ns)
+        is_current = plan is not None and plan.origin("statistics", name, checksum) == origin
+        values[name] = _summary(panel), is_current
     return values
 
 
@@ -84,18 +85,24 @@ def _summary(panel: Path) -> Mapping[str, Any]:
 
 
 @cache
-def _settings_of(path: Path, _: int) -> Any:
-    """Return the settings that a result of a given age was made with; none where they cannot be read."""
+def _origin(path: Path, _: int) -> str:
+    """Return the origin of a result of a given age; empty where it cannot be read."""
     with suppress(OSError, ValueError), measurements.READING, opened_dataset(path) as statistics:
-        return json_attribute(statistics.attrs, "settings")
+        return origin_id(str(statistics.attrs.get("settings")), str(statistics.attrs.get("source_sha256")))
+    return ""
 
 
-def export(result: str, form: str, earlier: str, *, names: Mapping[str, Any] | None) -> tuple[str, str]:
-    """Make one of `EXPORTS` of one of the results; return the command that does it, and what it says."""
-    if not {result, earlier} <= {*results(names)} or form not in EXPORTS:
-        raise SettingsError(f"{result}, {earlier}, {form}: are no results of this study, or no form of them")
-    names = {"folder": RESULTS / result, "before": RESULTS / earlier}
-    arguments = EXPORTS[form][1].format(**names, output=f"exports/{result.replace('/', '-')}").split()
+def export(result: str, form: str, before: str, *, plan: Plan | None) -> tuple[Path, str]:
+    """Make one of `EXPORTS` of one of the results; return its file and what a terminal shows.
+
+    The file is the working directory where it has none.
+    """
+    if not {result, before} <= {*results(plan)} or form not in EXPORTS:
+        raise SettingsError(f"{result}, {before}, {form}: are no results of this study, or no form of them")
+    folders = {"folder": RESULTS / result, "before": RESULTS / before}
+    arguments = EXPORTS[form][1].format(**folders, output=f"exports/{result.replace('/', '-')}").split()
     check_within_study(RESULTS, Path("exports"))
     process = run([*_PROGRAM, *arguments], capture_output=True, text=True, check=False)
-    return shlex.join(["roughcontact", *arguments]), (process.stdout + process.stderr).strip()
+    command = shlex.join(["roughcontact", *arguments])
+    file = Path(*arguments[arguments.index("-o") + 1 :]) if "-o" in arguments else Path()
+    return file, f"{command}\n\n{process.stdout}{process.stderr}"

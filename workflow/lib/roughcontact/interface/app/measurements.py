@@ -19,7 +19,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.maps import spacing
-from roughcontact.arguments.quantities import quantity
+from roughcontact.arguments.quantities import percent, quantity
 from roughcontact.errors import SettingsError
 from roughcontact.interface.app.study import Row, check_within_study, error_in_words
 from roughcontact.interface.command_line.describe import field_in_words, inspection, points_in_words
@@ -89,6 +89,8 @@ def inspect(row: Row) -> dict[str, Any]:
                 held = content["map"]
                 heights = quantity(held["highest"] - held["lowest"], "m")
                 result["line"] = f"{points_in_words(held)}, {field_in_words(held)}, heights over {heights}"
+                if held["missing_points"]:
+                    result["line"] += f", {percent(held['missing_share'])} not measured"
                 rows, columns = (ceil(points / _THUMBNAIL) for points in values.shape)
                 result["picture"] = _picture(values[::rows, ::columns])
                 # where the unit of all may not be that of the heights

@@ -14,9 +14,10 @@ from roughcontact.interface.app import commands, jobs, measurements, study
 from roughcontact.report.template import template
 from roughcontact.statistics import outcome
 from roughcontact.study import surfaces
+from roughcontact.study.plan import Plan
 
 FOLDER = Path(__file__).with_name("page")
-_PAGE, _BAR = (template(name, folder=FOLDER) for name in ("page.html", "bar.html"))
+_PAGE, _BAR, _COMPARED = (template(f"{name}.html", folder=FOLDER) for name in ("page", "bar", "compared"))
 # what the templates read of the settings, the table and the results
 _MODULES = (
     *(commands, fields, generated, jobs, models, named_materials, outcome, plausible, rectangles),
@@ -24,7 +25,7 @@ _MODULES = (
 )
 _PICK = "page.pick."  # of a row that is ticked, its number
 _OF_ROWS = ("add", "set", "remove", "undo", "all")
-_PLAIN = ("check", "state", "export", "look", "all")  # buttons that change neither settings nor table
+_PLAIN = ("check", "state", "look", "all")  # buttons that change neither settings nor table
 
 
 class Page:
@@ -33,8 +34,8 @@ class Page:
     def __init__(self) -> None:
         self.name, self.is_open = "", False
         self.run, self.reader = commands.Run(), measurements.Reader()
-        self.messages = dict.fromkeys(("add", "write", "command", "look"), "")
-        self.of_study: dict[str, Any] | None = None  # settings of results, where the form has no mistakes
+        self.messages = {"add": "", "write": ""}
+        self.plan: Plan | None = None  # of the form when it last had no mistakes
         self.revision = 0  # of the rows: their fields are made anew where not the user has changed them
         self.context: dict[str, Any] = {"config": {}, "table": [], "job": "", "files": {}, "mistakes": {}}
         self.context |= {"bodies": [], "form": {}, "chosen": {*()}}
@@ -61,6 +62,10 @@ class Page:
         bar = self._filled(_BAR, home=home)
         return re.sub("<body[^>]*>", lambda body: body[0] + bar, text, count=1)
 
+    def compared(self, result: str) -> str:
+        """Return the page of what a result may be compared with."""
+        return self._filled(_COMPARED, result=result, names=commands.results(self.plan))
+
     def after(self, action: str, form: Mapping[str, str]) -> str:
         """Return the page after the action of a button."""
         if action == "state":
@@ -76,12 +81,9 @@ class Page:
         rows, chosen = self._rows_after(action, form, rows, chosen)
         if action == "cancel":
             self.run.cancel()
-        elif action == "export":
-            choices = [form.get(f"page.{name}", "") for name in ("result", "form", "before")]
-            self.messages["command"], self.messages["look"] = commands.export(*choices, names=self.of_study)
         settings = {name: text for name, text in texts.items() if not name.startswith("rows.")}
         report = study.check(settings, rows, job=job)
-        self.of_study = report["results"] or self.of_study
+        self.plan = report["plan"] or self.plan
         self.context = report | {"config": config, "table": rows, "job": job, "form": form, "chosen": chosen}
         if action not in _PLAIN:
             if len(report["files"]) < 2:

@@ -18,12 +18,13 @@ from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
 from starlette.middleware.base import BaseHTTPMiddleware, RequestResponseEndpoint
 from starlette.requests import Request
-from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from roughcontact.errors import SettingsError
+from roughcontact.interface.app import commands
 from roughcontact.interface.app.measurements import cut, save_upload, whole
 from roughcontact.interface.app.page import FOLDER, Page
 from roughcontact.interface.app.study import check_within_study, error_in_words
@@ -31,7 +32,6 @@ from roughcontact.study.run_lock import lock_file
 
 _TRIES = 75  # of 20 ms, in which a page that is closed says so
 _MAX_CONNECTIONS = 40  # with three times those accepted at once fewer than the files a process may open
-_SILENCE = 5.0  # s after which a connection without a whole request ends
 _LOCK, _OPENING = Path(".snakemake/page"), Path(".snakemake/page.html")
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
@@ -100,10 +100,18 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         file, exists = results.lookup_path(f"{request.path_params['name']}.html")
         return HTMLResponse(page.with_bar(Path(file), f"/{token}/") if exists else "", 200 if exists else 404)
 
+    def export(request: Request) -> Response:
+        result, form, before = (request.query_params.get(name, "") for name in ("result", "form", "before"))
+        if form == "compare" and not before:
+            return HTMLResponse(page.compared(result))
+        file, words = commands.export(result, form, before or result, plan=page.plan)
+        return FileResponse(file, filename=file.name) if file.is_file() else PlainTextResponse(words)
+
     results = StaticFiles(directory="results", check_dir=False)
     routes = [
         Route("/", first),
         Route("/map/{key}", of_map),
+        Route("/export", export),
         Route("/{action}", answer, methods=["POST"]),
         Route("/results/{name:path}.html", report),
         Mount("/page", StaticFiles(directory=FOLDER)),
@@ -118,31 +126,27 @@ def is_admitted(request: Request, path: Sequence[str], port: int) -> bool:
     host, site = request.headers.get("host", ""), request.headers.get("sec-fetch-site", "none")
     same_origin = request.headers.get("origin", f"http://{host}") == f"http://{host}"
     # links of the report, an origin of its own, and the file that opens the page are followed
-    is_link = path[:1] in (["results"], [""]) and request.headers.get("sec-fetch-mode") == "navigate"
+    is_followed = request.headers.get("sec-fetch-mode") == "navigate"
+    is_link = is_followed and path[:1] in (["results"], ["export"], [""])
     from_page = site in ("none", "same-origin") or is_link
     return host in (f"127.0.0.1:{port}", f"localhost:{port}") and same_origin and from_page
 
 
 class Connection(H11Protocol):
-    """A connection that ends where no whole request comes in time; of too many one that waits makes room."""
+    """A connection; the oldest one that waits for a request makes room where there are too many."""
 
     def connection_made(self, transport: Any) -> None:  # narrower in uvicorn than in asyncio
-        """Begin to wait for a request."""
-        super().connection_made(transport)
-        self.timeout_keep_alive_task = self.loop.call_later(_SILENCE, self.timeout_keep_alive_handler)
-        rivals = [peer for peer in self.connections if isinstance(peer, Connection) and peer is not self]
-        waiting = [
-            peer for peer in rivals if peer.timeout_keep_alive_task and not peer.transport.is_closing()
-        ]
+        """End the oldest connection without a request, where this is one too many."""
+        waiting = [peer for peer in self.connections if isinstance(peer, Connection) and peer.is_waiting()]
         if len(waiting) > _MAX_CONNECTIONS:
-            waiting[0].transport.abort()
+            min(waiting, key=lambda peer: peer.begin).transport.abort()
+        super().connection_made(transport)
+        self.begin = self.loop.time()
 
-    def data_received(self, data: bytes) -> None:
-        """Read a part of a request, which in uvicorn gives time for the rest without limit."""
-        self.conn.receive_data(data)
-        self.handle_events()
-        if self.cycle and not self.cycle.response_complete:
-            self._unset_keepalive_if_required()
+    def is_waiting(self) -> bool:
+        """Return whether no request is being answered."""
+        is_answering = self.cycle and not self.cycle.response_complete
+        return not (is_answering or self.transport.is_closing())
 
 
 def open_in_browser(address: str) -> None:

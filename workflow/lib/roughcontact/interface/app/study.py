@@ -108,14 +108,15 @@ def _values(texts: Mapping[str, str]) -> dict[str, Any]:
 
 
 def check(texts: Mapping[str, str], rows: Sequence[Row], *, job: str = "") -> dict[str, Any]:
-    """Return the files of a form, mistakes by field, bodies with all numbers, the settings of each result.
+    """Return the files of a form, mistakes by field, bodies with all numbers, and the plan of a run.
 
     `texts` are those of the settings by dotted names, `job` is the question.
     """
     config = grouped(_values(texts))
     settings = yaml.dump(config, Dumper=_Dumper, **_STYLE) if config else ""
     table, mistakes = Path(texts.get("surfaces") or _TABLE), dict[str, list[str]]()
-    files, results = {CONFIG: f"{_HEAD}; asked: {job}\n{settings}" if job else f"{_HEAD}\n{settings}"}, {}
+    files = {CONFIG: f"{_HEAD}; asked: {job}\n{settings}" if job else f"{_HEAD}\n{settings}"}
+    plan = None
     with tempfile.TemporaryDirectory() as folder:
         drafts = {CONFIG: Path(folder, CONFIG), table: Path(folder, "surfaces.tsv")}
         try:
@@ -126,9 +127,7 @@ def check(texts: Mapping[str, str], rows: Sequence[Row], *, job: str = "") -> di
             if config:
                 check_yaml(drafts[CONFIG])
             content = (yaml.safe_load(settings) or {}) | {"surfaces": str(drafts[table])}
-            study = read_study(content, ["."], measured_in=[".", table.parent], origin=str(CONFIG))
-            plan = Plan(*study)
-            results = {name: plan.settings("statistics", name) for name in plan.results}
+            plan = Plan(*read_study(content, ["."], measured_in=[".", table.parent], origin=str(CONFIG)))
         except SettingsError as error:
             for mistake in error.mistakes or (error,):
                 sentence = str(mistake).replace(str(drafts[table]), str(table)).replace(f"{folder}/", "")
@@ -136,7 +135,7 @@ def check(texts: Mapping[str, str], rows: Sequence[Row], *, job: str = "") -> di
     bodies = []
     with suppress(RoughContactError, LookupError, TypeError):  # none is stated, or one that does not exist
         bodies = named_bodies(config["contact"]["bodies"])
-    return {"files": files, "mistakes": mistakes, "bodies": bodies, "results": results}
+    return {"files": files, "mistakes": mistakes, "bodies": bodies, "plan": plan}
 
 
 def write(files: Mapping[Path, str], *, keep: bool) -> str:
