@@ -292,10 +292,10 @@ class TestFiveSteps:
                 assert browser.evaluate(STEPS_IN_VIEW) == [0, True, True], width
                 assert browser.evaluate("document.querySelectorAll('iframe, frame, object').length") == 0
             browser.evaluate("document.documentElement.scrollTo(0, 0)")
-            picture(browser, "app-look")
             # what lies beside: what would halve the ±, and exports, which open in a tab of their own
             click(browser, "#steps summary")
             browser.wait("document.querySelector('#results').checkVisibility()")
+            picture(browser, "app-look")
             assert browser.text("#results").count("To halve the ± of the contact area: ") == 3
             report_page = browser.session
             for form, (holds, _) in EXPORTS.items():
