@@ -51,6 +51,7 @@ BOMB = '<?xml version="1.0"?><!DOCTYPE a [<!ENTITY x "ha"><!ENTITY y "&x;&x;&x;"
 BLANKS, DOCTYPE, WHOLE = b" " * 2**21, "DOCTYPE, which is refused", x3p(HEIGHTS)
 DEEP = x3p(HEIGHTS, edit=lambda main: main.replace(b"<SizeZ>1<", b"<SizeZ>100000000<"))  # layers
 WIDE = x3p(HEIGHTS, edit=lambda main: main.replace(b"<SizeX>4<", b"<SizeX>400000000<"))
+MANY = x3p(HEIGHTS, edit=lambda main: main.replace(b"<SizeZ>1<", b"<SizeZ>10001<"))
 # a file, words of its refusal
 NO_X3P = [
     (x3p(HEIGHTS, edit=lambda _: BOMB.encode("utf-8")), DOCTYPE),
@@ -59,6 +60,7 @@ NO_X3P = [
     (archive({"main.xml": BLANKS + b"<p:ISO5436_2/>"}), "begins with .* bytes of blanks: it is no XML"),
     (WIDE, "3 x 400000000 points, more than the 134217728 that are read"),  # before any is read
     (DEEP, "300000000 x 4 points, more than the 134217728 that are read"),
+    (MANY, "more than the 10000 maps or profiles that are listed"),
     (WHOLE[: int(0.6 * len(WHOLE))], "without its end"),
 ]
 

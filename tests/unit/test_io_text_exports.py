@@ -444,6 +444,17 @@ def test_dates_in_front_of_the_rows_of_a_map(read, date, separator):
     assert "holds words and is left out" in warnings_of(height)
 
 
+def test_dates_of_digits_alone_are_no_heights(read):
+    table = np.round(np.random.default_rng(4).normal(size=(5, 7)), 3)
+    table[:4, 6] = np.nan  # a column that is nearly empty stays
+    rows = ["\t".join(["20261130", *("" if z != z else f"{z}" for z in line)]) for line in table]
+    height = read("\n".join(["dx: 1 µm", "dy: 1 µm", "Z unit: nm", *rows]) + "\n")
+    holds(height, 1e-9 * table[::-1], 1e-6, 1e-6, rtol=1e-12)
+    assert "column 1 ('20261130') holds dates and is left out" in warnings_of(height)
+    profile = "".join(f"20261130;{x};{z}\n" for x, z in zip(X, Z, strict=True))
+    assert_trace(read(profile, unit="mm", height_unit="um"))
+
+
 @pytest.mark.parametrize("date", [*DATES, "20261130"])
 @pytest.mark.parametrize("separator", [";", "\t"])
 @pytest.mark.parametrize("is_first", [True, False])

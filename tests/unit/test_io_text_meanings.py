@@ -127,15 +127,39 @@ def test_what_changes_the_number_of_points_is_said(read, line):
 
 
 @pytest.mark.parametrize("line", ["Nicht gemessen", "Points non mesurés", "Bad pixels", "Sin datos"])
-def test_a_negative_number_of_missing_points_marks_them(read, line):
+def test_a_negative_number_of_missing_points_marks_them(read, refused, line):
     table, other = ONE.copy(), ONE.copy()
     table[2, 3], other[2, 3] = -9999, 12
     height = read(f"{STEPS}Z unit: nm\n{line}: -9999\n{cells(table)}")
     is_right(height, np.where(table == -9999, np.nan, table)[::-1])
-    # how many there are, and no marker: a point that has this height is said, and kept
-    count = read(f"{STEPS}Z unit: nm\n{line}: 12\n{cells(other)}")
-    assert count.attrs["missing_points"] == 0
-    assert "there is 1 point with that height" in warnings_of(count)
+    # how many there are, or their marker, where a point has this height: that is asked
+    count = f"{STEPS}Z unit: nm\n{line}: 12\n{cells(other)}"
+    refused(count, "line 4 .*there is 1 point with that height: give missing_value .* or ignore_lines = 4")
+    is_right(read(count, ignore_lines=4), other[::-1])
+    is_right(read(count, missing_value=12), np.where(other == 12, np.nan, other)[::-1])
+
+
+def test_a_number_of_zero_is_asked_where_several_points_have_that_height(read, refused):
+    table = ONE.copy()
+    table[2, 3] = 0
+    one = f"{STEPS}Z unit: nm\nMissing points: 0\n{cells(table)}"
+    is_right(read(one), table[::-1])
+    assert "there is 1 point with that height: if missing, give missing_value" in warnings_of(read(one))
+    table[5, 3] = 0
+    refused(f"{STEPS}Z unit: nm\nMissing points: 0\n{cells(table)}", "there are 2 points with that height")
+
+
+@pytest.mark.parametrize(
+    "line", ["Invalid data are set to 9000", "points without signal are 9000", "9000 se pone en los huecos"]
+)
+def test_a_number_of_the_header_that_many_points_have_is_asked_in_any_words(read, refused, line):
+    table = ONE.copy()
+    table[2:5, 3] = 9000
+    text = f"{STEPS}Z unit: nm\n{line}\n{cells(table)}"
+    refused(text, f"line 4 says '{line}', and there are 3 points with that height: give missing_value")
+    is_right(read(text, missing_value=9000), np.where(table == 9000, np.nan, table)[::-1])
+    counts = cells(np.round(ONE))  # whole numbers agree with any other by chance
+    read(f"{STEPS}Z unit: nm\nOperator 2\n{counts}")
 
 
 def test_positions_that_the_corner_names_are_no_numbers_of_rows(read):

@@ -39,6 +39,8 @@ _PLAIN = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 _TOLERANCE = re.compile(r"(?:\+/-|±)\s*[\d.,]+\s*\w*")
 _COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*(?!point|pixel)[^\W\d_])")
 _COUNT = re.compile(r"[:=\s]\s*(\d{1,9})\W*$")
+_SAMPLE = 2**18  # heights among which the most frequent ones are looked for
+_FREQUENT = 0.005  # share of the points at one height, as of a marker
 _CLOSE, _WIDEST = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with their rounding
 _MAX_QUOTED = 3  # lines in a question
 # what a line may concern -> the keys that it asks for, and the sentence; of several the first counts
@@ -136,6 +138,18 @@ def _count_beyond(heights: np.ndarray, limits: Sequence[float]) -> int:
     return int(min(outside) if len(limits) == 1 else sum(outside))
 
 
+def _frequent(heights: np.ndarray) -> set[float]:
+    """Return the heights at which lie many more points than chance brings there.
+
+    Examples
+    --------
+    >>> _frequent(np.append(np.arange(0.5, 100.0), [7.0, 7.0, 7.0]))
+    {7.0}
+    """
+    levels, counts = np.unique(heights[:: max(1, heights.size // _SAMPLE)], return_counts=True)
+    return {*levels[counts > max(2.0, _FREQUENT * counts.sum())].tolist()}
+
+
 def sources(file: MeasuredFile, channel: Channel, request: Request) -> dict[str, str]:
     """Return where each thing that a map needs comes from, by the columns that state it."""
     fallback = "assumed" if channel.sources else file.format.partition(" (")[0]
@@ -187,6 +201,7 @@ def lines_not_used(
     )
     texts = {"dx": quantity(dx, "m"), "dy": quantity(dy, "m")}
     exempt, listing, notes = ignored_lines(request), [], []
+    frequent = set() if is_integer else _frequent(finite)
     for number, text in channel.unused:
         lengths = parse_lengths(text)
         values = [float(match) for match in _PLAIN.findall(text.replace(",", "."))]
@@ -210,7 +225,8 @@ def lines_not_used(
         beyond_count = _count_beyond(finite, limits) if is_limit else 0
         if is_limit and not beyond_count:
             continue
-        marker_count = int(np.count_nonzero(finite == values[-1])) if values and "marker" in matters else 0
+        may_be_marker = "marker" in matters or ("elsewhere" not in matters and frequent & {*values[-1:]})
+        marker_count = int(np.count_nonzero(finite == values[-1])) if values and may_be_marker else 0
         other_unit = "lateral" not in matters and any(
             length.bare and metres(length.unit) != height_factor and not length.agrees(lengths_used)
             for length in lengths
@@ -219,7 +235,8 @@ def lines_not_used(
         # what the line may concern, as in the table of doubts
         applies = {
             "limit": beyond_count,
-            "marker": marker_count,
+            "marker": marker_count > 1 or (marker_count and values[-1]),
+            "zero": marker_count,
             "counts": is_integer
             and (is_factor or "fraction" in matters or (strange and "step" not in matters)),
             "turned": not is_denied and ("turned" in matters or _NO_HEIGHTS.search(text)),

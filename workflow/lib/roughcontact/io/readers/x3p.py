@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact.io import instrument_kinds
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, unreadable
-from roughcontact.io.guards import brief, check_points, refusing
+from roughcontact.io.guards import brief, check_count, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.positions import channel_on_grid, scattered
@@ -65,10 +65,11 @@ def _depth(name: str) -> int:
 
 
 def _check_claimed_size(main: bytes) -> None:
-    """Refuse layers whose stated size is above the limit in all, before they are read."""
-    sizes = [re.search(rb"<Size%c>\s*(\d{1,15})\s*<" % axis, main) for axis in b"XYZ"]
-    nx, ny, layers = (int(size[1]) if size else 0 for size in sizes)
-    check_points((ny * max(layers, 1), nx))
+    """Refuse layers whose stated number or size in all is above the limit, before they are read."""
+    sizes = [re.search(rb"<(?:\w+:)?Size%c>\s*(\d{1,15})\s*<" % axis, main) for axis in b"XYZ"]
+    nx, ny, layers = (int(size[1]) if size else 1 for size in sizes)
+    check_points((ny * layers, nx))
+    check_count(layers)
 
 
 def _normalised_archive(path: Path, name: str, main: bytes) -> Path | io.BytesIO:

@@ -14,7 +14,7 @@ from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import meanings, pattern, words
 
 _MAX_LINE_LENGTH = 4096  # characters; longer lines contain no metadata
-_MAX_LINES = 100_000  # lines
+_MAX_LINES = 10_000  # lines
 
 _INSTRUMENT = ("name", "serial", "lens", "acquisition_time")  # keys of `roughcontact.io.metadata`
 # those with a text as value
@@ -115,7 +115,7 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
     """Return the entries of a header that are understood, by meaning, in the order of the lines.
 
     `start` is the number of the first line in the file, `sign` the decimal sign of its table, empty for whole
-    numbers; lines of more than 4096 characters, and those after the first 100 000, are skipped.
+    numbers; lines of more than 4096 characters, and those after the first 10 000, are skipped.
 
     Examples
     --------
@@ -146,7 +146,8 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
         # but for a title
         entries = [entry for _, entry in dropwhile(lambda pair: not pair[1] and _is_prose(pair[0]), pairs)]
         # all pieces are entries, or the line is one
-        for meaning, statement in chain(*entries) if entries and all(entries) else _parsed(text, sign):
+        is_whole = is_single or (entries and all(entries))
+        for meaning, statement in chain(*entries) if is_whole else _parsed(text, sign):
             located = statement._replace(line=number, text=text[:_LONGEST])
             by_meaning.setdefault(meaning, []).append(located)
     return by_meaning
@@ -336,14 +337,13 @@ def _units_of_axes(text: str) -> list[tuple[str, str]]:
 @cache
 def _parts() -> re.Pattern[str]:
     """Return the pattern of the words that compose keys: it takes 0.1 s, and is for text files alone."""
-    return re.compile(  # those of languages without blanks may be anywhere
-        "|".join(
-            re.escape(part)
-            if ord(part[-1]) > 0x2E7F
-            else rf"(?<![a-zß-ՙ]){re.escape(part)}" + r"(?![a-zß-ՙ])" * part[-1].isalpha()
-            for part in sorted(_PART, key=len, reverse=True)
-        )
-    )
+    letter = "[a-zß-ՙ]"
+    forms: tuple[list[str], list[str]] = [], []
+    for part in sorted(_PART, key=len, reverse=True):
+        anywhere = ord(part[-1]) > 0x2E7F  # in languages without blanks
+        forms[anywhere].append(re.escape(part) + f"(?!{letter})" * (part[-1].isalpha() and not anywhere))
+    # one look behind for all of them: most positions in a line end there
+    return re.compile(rf"(?<!{letter})(?:{'|'.join(forms[False])})|{'|'.join(forms[True])}")
 
 
 @cache
@@ -351,12 +351,14 @@ def _meaning(key: str) -> str | None:
     """Return the meaning of a key: a word, or composed of such; None for an unknown key."""
     apart = re.sub(r"[\s_-]+|(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", key)
     name = apart.strip().strip('"').lower().removeprefix("1 ")  # "1 pixel = 0.4 µm"
-    parts = {_PART[part] for part in _parts().findall(name[:_MAX_PHRASE])} - {"none"}
+    found = _parts().findall(name[:_MAX_PHRASE])
+    if name in _MEANING or not found:
+        return _MEANING.get(name)
+    parts = {_PART[part] for part in found} - {"none"}
     bare_name = _parts().sub(lambda part: part[0] * (_PART[part[0]] != "none"), name[:_MAX_PHRASE])
     is_phrase = len(name) < _MAX_PHRASE and not re.search(r"\w", _parts().sub("", name))
     composites = (_COMPOSED.get(" ".join(sorted(kinds))) for kinds in (parts, parts - {"in"}) if is_phrase)
-    known = (_MEANING.get(name), *composites, _MEANING.get(" ".join(bare_name.split())))
-    return next(filter(None, known), None)
+    return next(filter(None, (*composites, _MEANING.get(" ".join(bare_name.split())))), None)
 
 
 def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Statement]]:

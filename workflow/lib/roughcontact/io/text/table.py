@@ -35,7 +35,8 @@ _DATE = re.compile(
     r"(?:^|(?<=[;\t,\s]))(?:\d{4}([-/.])\d{1,2}\1\d{1,2}|\d{1,2}([-/.])\d{1,2}\2\d{4})"
     r"(?:[ T]\d{1,2}:\d\d(?::\d\d(?:[.,]\d+)?)?)?(?=[;\t,\s]|$)"
 )
-_MAX_HEADER_LINES = 100_000  # without empty lines
+_DAY = re.compile(r"(?:19|20)\d\d(?:0[1-9]|1[0-2])(?:0[1-9]|[12]\d|3[01])")  # a date of digits alone
+_MAX_HEADER_LINES = 10_000  # without empty lines
 _MAX_PREFIX = 2**16  # characters of a line that decide whether it contains numbers
 _WIDE_TABLE = 8  # columns; the headings of so many differ from one another
 _MAX_CELL = 64  # characters of a cell, on the average
@@ -171,7 +172,8 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     if start < len(lines):
         return lines[:start], lines[start:]
     sample = lines[filled[0]].strip() if filled else ""
-    raise InputFileError(f"text without a table of numbers{extent}; it starts with {sample[:60]!r}")
+    way_out = "; delete lines above the table" * bool(extent)
+    raise InputFileError(f"text without a table of numbers{extent}{way_out}; it starts with {sample[:60]!r}")
 
 
 def _is_remark(lines: list[str]) -> bool:
@@ -211,7 +213,7 @@ def _is_row_like(line: str, row: str) -> bool:
 def strip_remarks(
     header: list[str], body: list[str], dialect: Dialect
 ) -> tuple[list[str], list[str], list[str]]:
-    """Return header and table without columns of words, and what stands right of them; a note on these.
+    """Return header and table without columns of words and dates, and what stands right of words; a note.
 
     Examples
     --------
@@ -224,20 +226,25 @@ def strip_remarks(
         if (has_dates or not _PLAIN.match(line)) and is_row(line):
             cells = enumerate(dialect.cells(line))
             words = {index: cell for index, cell in cells if dialect.number(cell) is None} | words
-    rows = [dialect.cells(line) for line in body if is_row(line)] if words else []
+    may_be_days = any(_DAY.match(line.strip()) for line in body[:1])
+    rows = [dialect.cells(line) for line in body if is_row(line)] if words or may_be_days else []
     width = max(map(len, rows), default=0)
     cells_by_column = [[*filter(None, column)] for column in zip_longest(*rows)]
     # a column with any number in it holds heights, among which a word is refused later
     columns = {index for index in words if not _are_finite(map(dialect.number, cells_by_column[index])).any()}
+    # right of them results beside the table, below which are empty cells
+    beside = range(min(columns, default=width), width)
+    remarks = {index for index in beside if 2 * len(cells_by_column[index]) < len(rows)}
+    if len(rows) >= _FEW_ROWS and all(_DAY.fullmatch(row[0]) for row in rows):
+        words, columns = words | {0: rows[0][0]}, columns | {0}
     if not columns or len(columns) == width:
         return header, body, []
-    # right of them results beside the table, below which are empty cells
-    remarks = {index for index in range(min(columns), width) if 2 * len(cells_by_column[index]) < len(rows)}
     notes = []
     for index in sorted(columns):
         names = [cells[index] for cells in map(dialect.cells, header) if len(cells) == width]
         listing = ", ".join(map(repr, [*names[-1:], words[index]]))
-        notes.append(f"column {index + 1} ({listing}) holds words and is left out")
+        kind = "dates" if _DAY.fullmatch(words[index]) else "words"
+        notes.append(f"column {index + 1} ({listing}) holds {kind} and is left out")
 
     def kept(line: str) -> str:
         if len(cells := line.strip(" \r\f").split(dialect.delimiter)) != width and not is_row(line):
@@ -392,7 +399,7 @@ def split_tables(header: list[str], body: list[str], start: int, dialect: Dialec
         width = width or len(line.strip().split(dialect.delimiter))
         if tables[-1].lines:
             words = [text for text in gap_lines if text.strip(_CELL_SEPARATORS)]
-            if any(text.lstrip()[0] not in "#%" or statements([text]) for text in words):
+            if any(text.lstrip()[0] not in "#%" for text in words) or statements(words):
                 tables.append(Rows(gap_lines, number - len(gap_lines), [], []))
                 check_count(len(tables))
             elif gap_lines and not tables[-1].broken:
