@@ -162,6 +162,74 @@ def test_a_number_of_the_header_that_many_points_have_is_asked_in_any_words(read
     read(f"{STEPS}Z unit: nm\nOperator 2\n{counts}")
 
 
+@pytest.mark.parametrize(
+    ("line", "row"),
+    [
+        ("First line: bottom", "bottom"),
+        ("# z in nm, row 1 = bottom of the image", "bottom"),
+        ("lowest row first", "bottom"),
+        ("Erste Zeile: unten", "bottom"),
+        ("oberste Zeile zuerst", "top"),
+        ("Première ligne : en haut", "top"),
+        ("primera fila abajo", "bottom"),
+        ("prima riga in alto", "top"),
+    ],
+)
+def test_the_order_of_the_rows_is_read(read, line, row):
+    height = read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}")
+    is_right(height, ONE if row == "bottom" else ONE[::-1])
+    assert height.attrs["first_row"] == row
+    assert "first_row_assumed" not in height.attrs or not height.attrs["first_row_assumed"]
+    sources = json.loads(height.attrs["ingest_sources"])
+    assert sources["first_row"] == "line 4"
+    assert not sources["not used"]
+    assert "first_row" not in warnings_of(height)
+
+
+def test_an_order_of_rows_that_is_doubtful_or_stated_twice_is_not_used(read, refused):
+    origin = read(f"{STEPS}Z unit: nm\nUrsprung unten links\n{ROWS}")
+    assert "line 4 says 'Ursprung unten links', which is not used: check first_row" in warnings_of(origin)
+    doubtful = read(f"{STEPS}Z unit: nm\nfirst line not at the bottom\n{ROWS}")
+    is_right(doubtful)
+    assert "line 4 says 'first line not at the bottom', which is not used" in warnings_of(doubtful)
+    twice = f"{STEPS}Z unit: nm\nFirst row: top\nrow 1 is the bottom\n{ROWS}"
+    refused(twice, "line 4 .*, line 5 .*: they do not agree")
+
+
+TABLES_OF_PROGRAMS = {
+    "R, write.table": '"x_um" "z_nm"\n' + "".join(f'"{n + 1}" {0.5 * n} {z}\n' for n, z in enumerate(ONE[0])),
+    "R, decimal comma": '"x_um" "z_nm"\n'
+    + "".join(f'"{n + 1}" {0.5 * n} {z}\n'.replace(".", ",") for n, z in enumerate(ONE[0])),
+    "Origin": "Position\tHeight\nµm\tnm\nTrack 1\tLevelled\n"
+    + "".join(f"{0.5 * n}\t{z}\n" for n, z in enumerate(ONE[0])),
+}
+
+
+@pytest.mark.parametrize("text", TABLES_OF_PROGRAMS.values(), ids=TABLES_OF_PROGRAMS)
+def test_profiles_as_programs_write_their_headings(read, text):
+    holds(read(text), 1e-9 * ONE[:1], 0.5e-6, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "# {'pixel_size_x': 0.5, 'pixel_size_y': 0.25, 'lateral_unit': 'um', 'height_unit': 'nm'}\n",
+        "dX [µm]\t0.5\ndY [µm]\t0.25\nHeight unit\tnm\n",
+        (
+            '"Distance per pixel (X)","0.5","um"\n"Distance per pixel (Y)","0.25","um"\n'
+            '"Unit of height data","nm"\n'
+        ),
+        "Measurement area [mm]: 0.005 x 0.002\nZ-Data [nm]:\n",
+    ],
+)
+def test_headers_as_programs_write_them(read, lines):
+    is_right(read(lines + (ROWS if '"' not in lines else cells(ONE, ","))))
+
+
+def test_pixels_to_nanometres(read):
+    holds(read(f"# heights in nm\n# pixel_to_nm_scaling: 500\n{ROWS}"), 1e-9 * ONE[::-1], 0.5e-6, 0.5e-6)
+
+
 def test_positions_that_the_corner_names_are_no_numbers_of_rows(read):
     table = cells(np.column_stack([np.arange(8), ONE]), ";")
     x = ";".join(f"{0.5 * column:g}" for column in range(10))

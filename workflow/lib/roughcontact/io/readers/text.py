@@ -118,6 +118,9 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         if extent.unit and abs(extent.value - span) <= 0.01 * span:  # in the unit of the heights
             by_meaning.setdefault("height_unit", [extent._replace(value=extent.unit)])
     columns = headed(rows.heading, width, dialect.delimiter)
+    if not columns and width > 1 and np.array_equal(values[:, 0], np.arange(1, len(values) + 1)):
+        named = headed(rows.heading, width - 1, dialect.delimiter)  # R numbers its rows, below no heading
+        columns = [Column("", None, "index"), *named] if named else None
     # empty columns beside the map are a spreadsheet's; where a size is stated they may be part of the map
     if table.empty.any() and not {"length_x", "length_y", "nx", "ny"} & {*by_meaning}:
         occupied = slice(*(np.flatnonzero(~table.empty)[[0, -1]] + (0, 1)))
@@ -478,7 +481,8 @@ def _matrix(
     elif ny > 1 and sizes == {"step"} and not _SQUARE.search(entries["step"][0].text):
         channel.notes.append(f"{entries['step'][0]}: taken as the step along x and along y")
     # programs that write sizes begin at the top
-    return MeasuredFile("text matrix", [channel], first_row="top", first_row_assumed=not sizes)
+    first_row, is_assumed = entries.first("first_row"), not sizes and "first_row" not in entries
+    return MeasuredFile("text matrix", [channel], first_row or "top", first_row_assumed=is_assumed)
 
 
 def _profile(channel: Channel, x: np.ndarray, lines: list[int], text: _Text) -> MeasuredFile:

@@ -54,8 +54,11 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
     """
     units: list[str | None] = [None] * count
     nearest = None
+    near_lines = lines[-_MAX_DISTANCE:]
     # upwards, so that units are known when the names above them are met
-    for line in reversed(lines[-_MAX_DISTANCE:]):
+    for number, line in reversed([*enumerate(near_lines)]):
+        if number > 1 and _are_names_above_units(near_lines[number - 2 : number], count, delimiter):
+            continue  # of Origin: names, units and remarks
         cells = _cells(line, count, delimiter)
         columns = [_column(cell) for cell in cells]
         if not cells or (sum(map(bool, cells)) < min(count, 2) and not any(map(is_length, cells))):
@@ -76,6 +79,12 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
         elif delimiter is not None and delimiter in line and nearest is None:
             nearest = columns
     return [Column("", unit, "") for unit in units] if any(units) else nearest
+
+
+def _are_names_above_units(lines: Sequence[str], count: int, delimiter: str | None) -> bool:
+    """Return whether the first of two lines names columns, and the other has the unit of each."""
+    names, units = (_cells(line, count, delimiter) for line in lines)
+    return bool(units) and all(map(is_length, units)) and any(map(_role, names))
 
 
 def miscounted(line: str, count: int, delimiter: str | None) -> int:

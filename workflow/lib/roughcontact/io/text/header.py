@@ -22,7 +22,10 @@ _TEXT_ENTRIES = ("channel", "height_unit", "lateral_unit", "unit", *_INSTRUMENT)
 LENGTHS = ("length_x", "length_y", "length", "dx", "dy", "step", "size")
 _COUNTS = ("nx", "ny", "count")
 _REPEATED = ("channel", "missing", "height_range", "count", "length", *_INSTRUMENT)
-_UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: counts to nanometres
+# keys that imply the unit of their value: counts or pixels to nanometres
+_UNIT_IN_NAME = {"bit2nm": "nm", "pixel_to_nm_scaling": "nm"}
+_ORDERS = {row: pattern("order", row) for row in words("order")}
+_DENIAL = re.compile(r"\b(?:not?|non|nicht|kein\w*|pas|false)\b", re.IGNORECASE)
 _TWO_VALUES, _BY_UNIT = words("values"), words("either")
 _PIXELS = {"length_x": "nx", "length_y": "ny"}  # a size in pixels is a number of them
 _PIXEL_WORDS = ("px", "pixel", "pixels", "points", "pts", "samples", "lines", "rows", "columns")
@@ -133,8 +136,8 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
         if not text or len(line) > _MAX_LINE_LENGTH or _CAMERA.search(text):
             continue
         text = re.sub(r"\b(?:d?x\s*=\s*d?y)\s*(?==)", "step ", text)  # "dx = dy = 2 µm"
-        if '":' in text:  # JSON
-            text = text.strip("{}, ").replace('"', "")
+        if re.search("[\"']:", text):  # JSON, or a dict of Python
+            text = re.sub("[\"']", "", text.strip("{}, "))
         if len(text) > _MAX_PHRASE:
             text = re.sub(r"(\s)\s+", r"\1", text)
         pieces = _PIECES.split(text) if len(text) < _MAX_PHRASE else [text]
@@ -169,6 +172,9 @@ def _parsed(text: str, sign: str, *, alone: bool = True) -> Iterator[tuple[str, 
     """Yield the meanings and statements of a line, or of a piece that does not stand alone in one."""
     for key, value in _entries(text, alone=alone):
         yield from _parse_entry(key, value, sign)
+    first_rows = [row for row, says in _ORDERS.items() if len(text) < _MAX_PHRASE and says.search(text)]
+    if len(first_rows) == 1 and not _DENIAL.search(text):
+        yield "first_row", Statement(first_rows[0])
 
 
 def disagreeing(by_meaning: Stated) -> str:
@@ -351,6 +357,7 @@ def _meaning(key: str) -> str | None:
     """Return the meaning of a key: a word, or composed of such; None for an unknown key."""
     apart = re.sub(r"[\s_-]+|(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", key)
     name = apart.strip().strip('"').lower().removeprefix("1 ")  # "1 pixel = 0.4 µm"
+    name = lower if (lower := key.strip().lower()) in _MEANING else name  # "dX"
     found = _parts().findall(name[:_MAX_PHRASE])
     if name in _MEANING or not found:
         return _MEANING.get(name)

@@ -276,7 +276,8 @@ def _unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]
     sample = next((line for line in body if line.strip()), "")
     if '"' not in sample[:_MAX_PREFIX]:
         return header, body
-    delimiter = next((sign for sign in ";\t" if sign in sample), ",")
+    between_blanks = " " if re.search(r'"\s+[-+.\d"]', sample) else ","  # of R, and of a spreadsheet
+    delimiter = next((sign for sign in ";\t" if sign in sample), between_blanks)
     cells_of = partial(csv.reader, delimiter=delimiter, skipinitialspace=True)
     try:
         lines = [";".join(next(cells_of([line]), [])) for line in (*header, *body)]
