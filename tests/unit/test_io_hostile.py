@@ -93,7 +93,7 @@ def test_more_than_ten_thousand_channels_are_refused_before_they_are_made(refuse
     monkeypatch.setattr(
         channels.Channel, "__post_init__", lambda self: channels_made.append(1) or check(self)
     )
-    refused(make_file(10_001), "more than the 10000 maps or profiles that are listed; save some in a file of")
+    refused(make_file(10_001), "more than the 10000 channels that are listed; save some in a file of")
     assert len(channels_made) < 30_100
 
 

@@ -154,7 +154,7 @@ def check_count(channels: int) -> None:
     """Refuse a file of more than 10 000 maps, profiles or tables."""
     if channels > MAX_CHANNELS:
         raise InputFileError(
-            f"more than the {MAX_CHANNELS} maps or profiles that are listed; save some in a file of their own"
+            f"more than the {MAX_CHANNELS} channels that are listed; save some in a file of their own"
         )
 
 

@@ -65,7 +65,6 @@ def outliers(statistics: Statistics, attrs: Attributes) -> Check:
     Examples
     --------
     >>> import xarray as xr
-    >>> import xarray as xr
     >>> shares = xr.Dataset({"rejected_load_share": ("load", [0.11, 0.04])})
     >>> outliers(shares, {"outliers_rejected": 138, "outlier_kinds": '{"spike": 138}'}).outcome
     'review'
@@ -265,7 +264,6 @@ def sample(statistics: Statistics) -> Check:
     Examples
     --------
     >>> import xarray as xr
-    >>> import xarray as xr
     >>> sample(xr.Dataset(attrs={"window_flag": "The map is too small."})).outcome
     'review'
     """
@@ -333,7 +331,6 @@ def slope(statistics: Statistics) -> Check:
 
     Examples
     --------
-    >>> import xarray as xr
     >>> import xarray as xr
     >>> slope(xr.Dataset({"rms_gradient": 0.12})).sentence
     'The rms gradient is 0.120: small, as the half-space theory assumes.'
