@@ -212,6 +212,32 @@ def test_arms_between_the_pixels_of_the_bank_lie_between():
         assert ends[6][side] == pytest.approx(ends[5][side])
 
 
+def without_effect(field, place, pixels, **settings):
+    """Hold a map with an overview that tells nothing against the same one without, and the words for it."""
+    options = {"contact_modulus": 1e9, "relative_pressure": [0.1], "uncertainty": SOURCES} | settings
+    overview = field.coarsen(y=pixels, x=pixels, boundary="trim").mean()
+    position = {"overview_position": options.pop("overview_position", "")}
+    alone = rc.evaluate(field[place], **options)
+    both = rc.evaluate(field[place], overview=overview, **position, **options)
+    assert both["mean_gap"].values == pytest.approx(alone["mean_gap"].values)
+    assert "The overview counts for nothing: " in both.attrs["window_flag"]
+    assert "The overview counts for nothing: " in both.attrs["reasons"]
+    assert both["verdict"].item() > 0
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"uncertainty": {"sources": ["solver"]}}, {"window": {"shortest_wavelength": 25 * PITCH}}],
+    ids=["without its source", "a map too small for parts"],
+)
+def test_an_overview_that_counts_for_nothing_says_so(field, settings):
+    without_effect(field, PLACE, 3, **settings)
+
+
+def test_an_overview_of_another_position_with_pixels_that_the_bank_does_not_know_says_so(field):
+    without_effect(field, (slice(96, 216), slice(96, 216)), 6, overview_position="elsewhere")
+
+
 def test_a_body_of_finite_size_has_no_overview(field):
     with pytest.raises(
         HeightMapError, match="overview: is of a map of a surface that goes on, not of a finite body"

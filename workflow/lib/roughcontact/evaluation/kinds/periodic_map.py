@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
+import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.kinds import PERIODIC_MAP, KindFacts
@@ -18,8 +19,14 @@ from roughcontact.surface.window.instrument import window_arguments
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
 from roughcontact.uncertainty.improvement import add_halving
 from roughcontact.uncertainty.overview import scatter_with_overviews
+from roughcontact.uncertainty.scales import AREA
 from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
 
+_OVERVIEW_WITHOUT_EFFECT = (
+    "The overview counts for nothing: it needs the source window (uncertainty.sources), a map that is large "
+    "enough to be divided into parts, a gap that is open, and pixels up to 10 times as large as those of the "
+    "map, at another position 5 times."
+)
 STATED_LOADS = ("mean_pressure", "relative_pressure", "force")
 
 
@@ -80,7 +87,12 @@ class PeriodicMap(MapPreparation):
         if not solution.overviews:
             return budget
         place = place_attributes(solution.overviews, solution.levelled)
-        return budget.assign_attrs({f"overview_{name}": number for name, number in place.items()})
+        budget = budget.assign_attrs({f"overview_{name}": number for name, number in place.items()})
+        alone = budget.get(f"{AREA}_alone_lower")
+        if alone is not None and not np.array_equal(alone, budget[f"{AREA}_lower"]):
+            return budget
+        flag = f"{budget.attrs.get('window_flag', '')} {_OVERVIEW_WITHOUT_EFFECT}".lstrip()
+        return budget.assign_attrs(window_flag=flag)
 
     def budget_arguments(self, solution: SolvedMap) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the sections and the keyword arguments of `error_budget`."""
