@@ -53,13 +53,17 @@ class Place:
 
     def fit_in_words(self, *, with_scale: bool = True) -> str:
         """Return how the map lies there: its turn, with or without its scale, and the correlation."""
-        words = []
+        words, stretch = [], abs(self.scale - 1)
+        # at the limit of the search the map may be turned or stretched by more
+        turned, stretched = (
+            " or more" if np.isclose(found, limit) else ""
+            for found, limit in ((abs(self.rotation), _MAX_ANGLE), (stretch, _MAX_SCALING))
+        )
         if abs(self.rotation) >= _SHOWN_ANGLE:
-            words.append(f"turned by {number(self.rotation, decimals=1)}°")
-        if with_scale and abs(self.scale - 1) >= _SHOWN_STRETCH:
-            words.append(
-                f"{percent(abs(self.scale - 1))} {'longer' if self.scale > 1 else 'shorter'} than it says"
-            )
+            words.append(f"turned by {number(self.rotation, decimals=1)}°{turned}")
+        if with_scale and stretch >= _SHOWN_STRETCH:
+            side = "longer" if self.scale > 1 else "shorter"
+            words.append(f"{percent(stretch)}{stretched} {side} than it says")
         return ", ".join([*words, f"correlation {number(self.correlation, decimals=2)}"])
 
 
@@ -321,11 +325,13 @@ def _check_place(place: Place, fine: xr.DataArray, overview: xr.DataArray) -> No
 
 
 def _neighbours(middle: tuple[float, float], step: np.ndarray) -> Iterator[tuple[float, float]]:
-    """Yield the next angles and scales within the limits of the search."""
+    """Yield the next angles and scales, up to the limits of the search."""
     for angle, scale in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        further = middle[0] + angle * step[0], middle[1] + scale * step[1]
-        if abs(further[0]) <= _MAX_ANGLE and abs(further[1] - 1) <= _MAX_SCALING:
-            yield further
+        further = middle[0] + angle * step[0], middle[1] + scale * step[1] - 1
+        yield (
+            float(np.clip(further[0], -_MAX_ANGLE, _MAX_ANGLE)),
+            1 + float(np.clip(further[1], -_MAX_SCALING, _MAX_SCALING)),
+        )
 
 
 class _Search:
