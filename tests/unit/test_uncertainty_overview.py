@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import roughcontact as rc
 from roughcontact import HeightMapError, self_affine_surface
@@ -306,3 +307,41 @@ def test_an_overview_without_a_size_is_asked_to_state_it_in_its_file(field, tmp_
         rc.evaluate(field[PLACE], overview=path, contact_modulus=1e9, relative_pressure=0.02)
     np.savetxt(path, heights, header="Width: 64 um\nHeight: 64 um\nValue units: um")
     np.testing.assert_allclose(read_overview(path)[::-1], field[:64, :64].values, rtol=1e-12)
+
+
+def test_the_next_map_of_a_group_scatters_as_maps_do_and_not_as_the_means_of_their_overviews():
+    """Three maps in one overview agree on its mean; by themselves they differ by a factor of four."""
+    loads = {"mean_pressure": ("load", [1e6])}
+    gaps, means = (0.5, 1.0, 2.0), (0.99, 1.0, 1.01)
+    plain = rc.group_statistics([xr.Dataset({GAP: ("load", [gap]), **loads}) for gap in gaps])
+    shown = rc.group_statistics(
+        [
+            xr.Dataset({GAP: ("load", [mean]), f"{GAP}_alone": ("load", [gap]), **loads})
+            for mean, gap in zip(means, gaps, strict=True)
+        ]
+    )
+    width, width_of_plain, of_mean = (
+        float(np.log(group[f"{GAP}{key}_upper"] / group[f"{GAP}{key}_lower"])[0])
+        for group, key in ((shown, "_next"), (plain, "_next"), (shown, ""))
+    )
+    assert width == pytest.approx(width_of_plain)
+    assert of_mean < 0.1
+
+
+def test_of_two_maps_with_overviews_the_next_one_is_expected_to_scatter_as_their_own_intervals_say():
+    def made(value, half_width, single, single_half_width):
+        ends = {"": 1.0, "_lower": np.exp(-single_half_width), "_upper": np.exp(single_half_width)}
+        numbers = {f"{GAP}_alone{key}": ("load", [single * factor]) for key, factor in ends.items()}
+        sides = np.zeros((1, 8, 4))
+        sides[:, 2, :2] = value * np.array([1 - np.exp(-half_width), np.exp(half_width) - 1])
+        numbers |= {GAP: ("load", [value]), f"{GAP}_components": (("load", "source", "component"), sides)}
+        return xr.Dataset(numbers, {"mean_pressure": ("load", [1e6])})
+
+    narrow, wide = (
+        rc.group_statistics([made(1.0, 0.1, 1.0, width), made(1.01, 0.1, 1.1, width)]) for width in (0.1, 1.0)
+    )
+    widths = [
+        float(np.log(each[f"{GAP}_next_upper"] / each[f"{GAP}_next_lower"])[0]) for each in (narrow, wide)
+    ]
+    assert widths[1] > 5 * widths[0]
+    assert narrow[f"{GAP}_upper"].values == pytest.approx(wide[f"{GAP}_upper"].values)

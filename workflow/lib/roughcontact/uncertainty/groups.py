@@ -23,7 +23,7 @@ from roughcontact.io.instrument_kinds import of_name
 from roughcontact.statistics.kinds import check_sizes, size_of_body
 from roughcontact.statistics.load_pairs import common_loads, interpolated, same_load
 from roughcontact.surface.window.band import is_limited_by_grid
-from roughcontact.uncertainty.calibration import scatter_between_maps
+from roughcontact.uncertainty.calibration import ALONE, scatter_between_maps
 from roughcontact.uncertainty.combination import (
     SIDES,
     SOURCES,
@@ -37,7 +37,13 @@ from roughcontact.uncertainty.combination import (
 )
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.members import Members, members_of_group
-from roughcontact.uncertainty.random_effects import grubbs_outliers, moderated, random_effects, student
+from roughcontact.uncertainty.random_effects import (
+    Effects,
+    grubbs_outliers,
+    moderated,
+    random_effects,
+    student,
+)
 from roughcontact.uncertainty.scales import ALL, from_scale, to_scale
 
 MIN_FOR_INTERVAL = 3  # parts, or maps, below which there is a range instead of an interval
@@ -57,7 +63,8 @@ def needed_for_groups(names: Iterable[str]) -> list[str]:
     >>> needed_for_groups(["mean_gap", "mean_gap_lower", "mean_gap_density", "iterations"])
     ['mean_gap', 'mean_gap_lower']
     """
-    suffixes = (*ENDS, "_map_lower", "_map_upper", "_alone", "_components", "_parts")
+    alone = (f"_{ALONE}{suffix}" for suffix in ENDS)
+    suffixes = (*ENDS, "_map_lower", "_map_upper", *alone, "_components", "_parts")
     needed = {f"{name}{suffix}" for name in ALL for suffix in suffixes}
     needed |= {"mean_pressure", "contact_modulus", "rms_height", *_OF_HARDNESS}
     needed |= {name for facts in KIND_FACTS for name in facts.own_numbers}
@@ -164,10 +171,14 @@ def group_statistics(
     for name in quantities:
         maps, components = zip(*(scaled_at(name, data, loads) for data in datasets), strict=True)
         values, shared = np.stack(maps), np.mean(components, axis=0)
+        without_overview, widths = zip(*(_of_map_alone(name, data, loads) for data in datasets), strict=True)
+        single = np.stack(without_overview), np.mean(widths, axis=0)
         numbers = (
             _numbers_of_map(name, datasets[0])
             if len(datasets) == 1
-            else _numbers_of_maps(name, values, shared, parts, loads=loads, hardest=hardest, members=members)
+            else _numbers_of_maps(
+                name, values, shared, parts, single=single, loads=loads, hardest=hardest, members=members
+            )
         )
         columns |= {f"{name}{ending}": ("load", column) for ending, column in numbers.items()}
         columns[f"{name}_of_maps"] = (("map", "load"), from_scale(name, values))
@@ -240,6 +251,7 @@ def _numbers_of_maps(
     shared: np.ndarray,
     part_names: Sequence[str],
     *,
+    single: tuple[np.ndarray, np.ndarray],
     loads: np.ndarray,
     hardest: float,
     members: Members,
@@ -247,17 +259,14 @@ def _numbers_of_maps(
     """Return the numbers (load) of a quantity of several maps, by their endings.
 
     On the scale are `values` (map, load) and `shared` (load, source, component), the mean of the maps, by
-    `SOURCES`; `hardest` is the upper end of the hardness (Pa).
+    `SOURCES`; `single` are values and half-widths (load) of the maps without what overviews show, `hardest`
+    is the upper end of the hardness (Pa).
     """
-    effects = random_effects(values, part_names)
-    expected = np.zeros(loads.shape)  # half-width by the window, which tells how maps of the bank scatter
-    if members.has_calibrated_scatter and effects.units == len(values):
-        expected = shared[:, SOURCES.index("window"), :2].mean(axis=1)
-    is_expected = np.isfinite(expected) & (expected > 0)
-    if is_expected.any():
-        scatter, freedom = scatter_between_maps(name, np.where(is_expected, expected, 0.0))
-        effects = moderated(effects, scatter, np.where(is_expected, freedom, 0.0))
-    next_map = student(effects.next_map_freedom) * effects.next_map
+    of_window = shared[:, SOURCES.index("window"), :2].mean(axis=1)
+    effects, is_expected = _effects(name, values, of_window, part_names, members)
+    # of an overview the value is a mean over its places, which scatters less than the next map
+    of_single, _ = _effects(name, *single, part_names, members)
+    next_map = student(of_single.next_map_freedom) * of_single.next_map
     mean, next_part = (student(effects.freedom) * width for width in (effects.error, effects.next_part))
     own_width = {"mean": mean, "next_map": next_map}[members.interval]
     of_scatter = [symmetric(width) for width in (own_width, next_map, next_part)]
@@ -275,6 +284,42 @@ def _numbers_of_maps(
         limits[:, np.isnan(component[0])] = np.nan  # without an interval
         columns |= {f"{key}{suffix}": limit for suffix, limit in zip(ENDS[1:], limits, strict=True)}
     return columns
+
+
+def _effects(
+    name: str, values: np.ndarray, half_width: np.ndarray, part_names: Sequence[str], members: Members
+) -> tuple[Effects, np.ndarray]:
+    """Return mean and scatter of maps (map, load) on the scale, and whether the bank expects this (load).
+
+    `half_width` is that of the source `window` of a map, which tells how maps of the bank scatter.
+    """
+    effects = random_effects(values, part_names)
+    is_expected = np.isfinite(half_width) & (half_width > 0)
+    is_expected &= members.has_calibrated_scatter and effects.units == len(values)
+    if is_expected.any():
+        scatter, freedom = scatter_between_maps(name, np.where(is_expected, half_width, 0.0))
+        effects = moderated(effects, scatter, np.where(is_expected, freedom, 0.0))
+    return effects, is_expected
+
+
+def _of_map_alone(name: str, dataset: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a quantity of a map on its scale, and its half-width by the window, without its overviews."""
+    value, components = scaled_at(name, dataset, loads)
+    half_width = components[:, SOURCES.index("window"), :2].mean(axis=1)
+    numbers = [dataset.get(f"{name}_{ALONE}{suffix}") for suffix in ENDS]
+    # NaN of a map beside others with an overview
+    if numbers[0] is None or numbers[0].isnull().all():
+        return value, half_width
+    unknown = np.full(dataset["mean_pressure"].shape, np.nan)
+    middle, *bounds = (
+        interpolated(
+            dataset["mean_pressure"].values,
+            loads,
+            to_scale(name, unknown if each is None else each.values),
+        )
+        for each in numbers
+    )
+    return np.where(np.isnan(middle), value, middle), (bounds[1] - bounds[0]) / 2
 
 
 def scaled_components(
