@@ -173,6 +173,9 @@ def test_a_number_of_the_header_that_many_points_have_is_asked_in_any_words(read
         ("Première ligne : en haut", "top"),
         ("primera fila abajo", "bottom"),
         ("prima riga in alto", "top"),
+        ("Letzte Zeile ist oben", "bottom"),
+        ("première ligne = bas de l'image", "bottom"),
+        ("La prima riga è quella inferiore", "bottom"),
     ],
 )
 def test_the_order_of_the_rows_is_read(read, line, row):
@@ -184,6 +187,42 @@ def test_the_order_of_the_rows_is_read(read, line, row):
     assert sources["first_row"] == "line 4"
     assert not sources["not used"]
     assert "first_row" not in warnings_of(height)
+
+
+TURNED = """Lignes de bas en haut; Righe dal basso verso l'alto; 第一行为底部; 最初の行が下; tourné de 90°
+girado 90 grados; ruotato di 90°; Spalten sind Zeilen; Vertiefungen positiv; Les creux sont positifs; 深度
+Täler positiv; Abstand zum Sensor; distance sensor-surface; working distance minus height; first derivative
+Steigung; pente; pendiente; intensity image; Grauwerte; niveaux de gris; Kamerabild; phase image; Amplitude
+error map; difference of two maps; Differenz zweier Messungen; thickness map; Schichtdicke; in fringes
+Optical path difference; λ/2 units"""
+SCALED = (
+    "Werte mit 10 multipliziert; Höhen mal 10; Höhen × 10; x10; Verstärkung 10; facteur 10; scaled by 0.1"
+)
+THINNED = """jede vierte Zeile; une ligne sur quatre; una de cada cuatro líneas; una riga ogni quattro
+half size; Maßstab 1:2; gemittelt über 2 x 2 Pixel; resampled to 50 %; verkleinert auf 50 %
+scale 1:10; échelle 1/10"""
+
+
+@pytest.mark.parametrize(
+    ("lines", "check"),
+    [(TURNED, "first_row, the sign"), (SCALED, "the units"), (THINNED, "the steps dx and dy")],
+    ids=["turned", "scaled", "thinned"],
+)
+def test_what_turns_or_scales_a_map_is_said_in_five_languages(read, lines, check):
+    for line in lines.replace("\n", "; ").split("; "):
+        warnings = warnings_of(read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}"))
+        assert f"line 4 says {line!r}, which is not used: check {check}" in warnings
+
+
+def test_words_of_validity_do_not_hide_a_marker(read, refused):
+    table = ONE.copy()
+    table[2:4, 3] = -2500
+    refused(f"{STEPS}Z unit: nm\nno signal -> -2500\n{cells(table)}", "there are 2 points with that height")
+
+
+@pytest.mark.parametrize("line", ["Zoom: 1", "Objective 50x", "Factor 1.0", "Operator: Bas", "12:01:30"])
+def test_usual_lines_of_a_header_cause_no_warning(read, line):
+    assert "line 4" not in warnings_of(read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}"))
 
 
 def test_an_order_of_rows_that_is_doubtful_or_stated_twice_is_not_used(read, refused):

@@ -223,10 +223,10 @@ def lines_not_used(
         is_limit = matters >= {"limit", "validity"} and "lateral" not in matters and "%" not in text
         limits = [length.value / height_factor for length in with_number] or values
         beyond_count = _count_beyond(finite, limits) if is_limit else 0
-        if is_limit and not beyond_count:
-            continue
         may_be_marker = "marker" in matters or ("elsewhere" not in matters and frequent & {*values[-1:]})
         marker_count = int(np.count_nonzero(finite == values[-1])) if values and may_be_marker else 0
+        if is_limit and not beyond_count and not marker_count:
+            continue
         other_unit = "lateral" not in matters and any(
             length.bare and metres(length.unit) != height_factor and not length.agrees(lengths_used)
             for length in lengths
@@ -242,6 +242,7 @@ def lines_not_used(
             "turned": not is_denied and ("turned" in matters or _NO_HEIGHTS.search(text)),
             "step": contradicts and "step" in matters,
             "fraction": "fraction" in matters and lengths,
+            "scaled": "scaled" in matters and not {*values} <= {0.0, 1.0},
             "pixels": not is_denied and "pixels" in matters and values != [1],
             "size": contradicts or strange_count or (strange_points and is_count),
             "unit": other_unit,
