@@ -77,6 +77,8 @@ def test_headings_state_units(tmp_path, separator):
         ("frequency in kHz   storage modulus in MPa   loss modulus in MPa", {"gap": "   "}),
         ("f,E',E''\nkHz,MPa,MPa", {}),
         ("""f (kHz),E' (MPa),E" (MPa)""", {}),
+        ("f,E',E''\n[kHz],[MPa],[MPa]", {}),
+        ("f (kHz),omega (rad/s),E' (MPa),E'' (MPa)", {"omega": 2e3 * np.pi}),
         ("Sample: EPDM; 2 mm, new\nSweep of frequency\n\nf;E';E''\nkHz;MPa;MPa", {"sep": ";"}),
         ("# EPDM, 2 % strain\nT (°C),f (kHz),E' (MPa),E'' (MPa)", {"first": 20.4}),
     ],
@@ -87,6 +89,8 @@ def test_tables_as_instruments_write_them(tmp_path, headings, form):
     rows = expected / [1e3, 1e6, 1e6]
     if first := form.pop("first", None):
         rows.insert(0, "T", first)
+    if omega := form.pop("omega", None):
+        rows.insert(1, "omega", omega * rows["frequency"])
     gap = form.pop("gap", None)
     text = rows.to_csv(index=False, header=False, float_format="%.9f", **form)
     path = tmp_path / "dma.csv"
@@ -203,7 +207,24 @@ def test_a_named_rubber_at_another_temperature():
         ("nowhere.csv", "relaxation = nowhere.csv: not read as a table: .*; by name there are EPDM-70, poly"),
         (pd.DataFrame({"f": [1.0], "E'": [1e6]}), "no column 'loss_modulus'"),
         (pd.DataFrame({"f": [1.0], "E' (MPA)": [1.0], "E''": [1.0]}), "unit 'MPA'"),
-        (table().head(2), "2 rows of numbers"),
+        (table().head(2), "2 frequencies; give a sweep over three or more"),
+        (table().assign(frequency=10.0), "1 frequencies; give a sweep"),  # over strains
+        (
+            table().assign(f=10.0),
+            "columns 'frequency' and 'f' are unlike, and both are the frequency; leave one out",
+        ),
+        (
+            pd.DataFrame({"f (Hz)": [1, 10, 100], "E' (Pa)": [6.5, 6.6, 6.7], "E'' (Pa)": [5.4, 5.5, 5.6]}),
+            r"column \"E' \(Pa\)\": 6.5 Pa is softer than any rubber: give moduli, no logarithms",
+        ),
+        (
+            table().replace({"storage_modulus": {table()["storage_modulus"][3]: np.inf}}),
+            "storage_modulus inf",
+        ),
+        (
+            table().replace({"loss_modulus": {table()["loss_modulus"][3]: np.nan}}),
+            "loss_modulus nan; complete",
+        ),
         (None, "relaxation = None: give a name, a table .path or DataFrame., or a mapping"),
         (
             SERIES | {"times": ["1 min", "1 fortnight", 1.0]},
@@ -211,7 +232,7 @@ def test_a_named_rubber_at_another_temperature():
         ),
         (
             table() / [1, 1e6, 1e6],
-            "'storage_modulus': has no unit, and 3.* Pa is softer than any rubber: state",
+            "'storage_modulus': 3.* Pa is softer than any rubber: .* with their unit, storage modulus .MPa.",
         ),
         (table().astype(str).replace("0.1", "1,000"), "'frequency': '1,000' is not a number"),
         (table().assign(T=np.arange(49)), "temperatures are 0 to 48; give the rows of one, or of a master"),

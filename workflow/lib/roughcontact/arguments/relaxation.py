@@ -38,7 +38,8 @@ _HEADINGS: dict[str, tuple[str, str, dict[str, str]]] = {
     r"T|(?i:temp\.?|temperatur|temperature)": ("temperature", "", {}),
 }
 _STEADY = 5.0  # K, within which a sweep is of one temperature
-_SOFTEST = 1e3  # Pa: a lower modulus without a unit is in MPa
+_SOFTEST = 1e3  # Pa: a lower modulus is in MPa, or a logarithm
+_ALIKE = 0.01  # relative difference of two columns of one thing
 _SERIES = {"long_time_modulus": "Pa", "moduli": "Pa", "times": "s"}
 KEYS = {*_SERIES, "table", "wlf", "reference_temperature", "temperature"}
 
@@ -167,41 +168,57 @@ def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
                 f"{name}: not read as a table: {str(error).strip()}; by name there are "
                 f"{', '.join(compound_names())}"
             ) from None
+    columns = _columns(table, name)
+    if missing := [key for key in ("frequency", "storage_modulus", "loss_modulus") if key not in columns]:
+        raise _refusal(
+            f"{name}: no column {missing[0]!r} among {[*map(str, table.columns)]}; name the columns "
+            "frequency (Hz), storage_modulus (Pa), loss_modulus (Pa), or f, E', E'', with units"
+        )
+    rows = pd.DataFrame(columns).dropna(how="all").sort_values("frequency", ignore_index=True)
+    temperatures = rows.pop("temperature") if "temperature" in rows else rows["frequency"][:0]
+    if temperatures.max() - temperatures.min() > _STEADY:
+        raise _refusal(
+            f"{name}: its temperatures are {temperatures.min():g} to {temperatures.max():g}; give the rows "
+            "of one, or of a master curve, whose frequencies are shifted to one, leave this column out"
+        )
+    if (wrong := rows[~((rows > 0) & np.isfinite(rows)).all(axis=1)]).size:
+        text = ", ".join(f"{key} {value:g}" for key, value in wrong.iloc[0].items())
+        raise _refusal(f"{name}: a row has {text}; complete it with numbers above 0, or leave it out")
+    if (number := rows["frequency"].nunique()) < 3:
+        raise _refusal(f"{name}: {number} frequencies; give a sweep over three or more")
+    return rows[["frequency", "storage_modulus", "loss_modulus"]]
+
+
+def _columns(table: pd.DataFrame, name: str) -> dict[str, pd.Series]:
+    """Return the columns of a table by what their headings say that they hold, in base units."""
     columns: dict[str, pd.Series] = {}
+    headings: dict[str, Any] = {}
     for heading in table.columns:
         plain, unit = _plain_and_unit(heading)
-        roles = [role for pattern, role in _HEADINGS.items() if re.fullmatch(pattern, plain)]
-        if not roles:
+        role = next((role for pattern, role in _HEADINGS.items() if re.fullmatch(pattern, plain)), None)
+        if not role:
             continue
-        ((column, base, usual),) = roles
+        column, base, usual = role
         factor = unit_factor(usual.get(unit, unit), base) if base else 1.0
         if factor is None:
             raise _refusal(f"{name}, column {heading!r}: {unknown_unit(unit, base)}")
         values = pd.to_numeric(table[heading], errors="coerce")
         if (wrong := table[heading][values.isna() & table[heading].notna()]).size:
             raise _refusal(f"{name}, column {heading!r}: {wrong.iloc[0]!r} is not a number")
-        if base == "Pa" and not unit and values.min() < _SOFTEST:
+        numbers = values * factor
+        # a gel may lose less in each cycle
+        if numbers.min() < _SOFTEST and (column == "storage_modulus" or (base == "Pa" and not unit)):
             raise _refusal(
-                f"{name}, column {heading!r}: has no unit, and {values.min():g} Pa is softer than any "
-                f"rubber: state it in the heading, {plain} (MPa)"
+                f"{name}, column {heading!r}: {numbers.min():g} Pa is softer than any rubber: give moduli, "
+                f"no logarithms, with their unit, {plain} (MPa)"
             )
-        columns[column] = values * factor
-    if missing := [key for key in ("frequency", "storage_modulus", "loss_modulus") if key not in columns]:
-        raise _refusal(
-            f"{name}: no column {missing[0]!r} among {[*map(str, table.columns)]}; name the columns "
-            "frequency (Hz), storage_modulus (Pa), loss_modulus (Pa), or f, E', E'', with units"
-        )
-    numbers = pd.DataFrame(columns).dropna().sort_values("frequency", ignore_index=True)
-    if "temperature" in numbers and np.ptp(temperatures := numbers.pop("temperature")) > _STEADY:
-        raise _refusal(
-            f"{name}: its temperatures are {temperatures.min():g} to {temperatures.max():g}; give the rows "
-            "of one, or of a master curve, whose frequencies are shifted to one, leave this column out"
-        )
-    if len(numbers) < 3 or not (numbers > 0).all(axis=None):
-        raise _refusal(
-            f"{name}: {len(numbers)} rows of numbers; give three or more, with frequencies and moduli above 0"
-        )
-    return numbers[["frequency", "storage_modulus", "loss_modulus"]]
+        if column in columns and not np.allclose(columns[column], numbers, rtol=_ALIKE):
+            raise _refusal(
+                f"{name}: columns {headings[column]!r} and {heading!r} are unlike, and both are the "
+                f"{column}; leave one out"
+            )
+        columns[column], headings[column] = numbers, heading
+    return columns
 
 
 def _plain_and_unit(heading: Any) -> tuple[str, str]:
@@ -230,7 +247,7 @@ def _table_of_text(text: str) -> pd.DataFrame:
     separator = next((mark for mark in "\t;" if mark in lines[0]), ",")
     if not re.search(r"\d", "".join(lines[1:2])):
         pairs = zip(*(line.split(separator) for line in lines[:2]), strict=False)
-        lines[:2] = [separator.join(f"{heading} ({unit})" for heading, unit in pairs)]
+        lines[:2] = [separator.join(f"{heading} ({unit.strip(' []()')})" for heading, unit in pairs)]
     # a comma is a decimal one where there is no point
     decimal = "." if separator == "," or "." in "".join(lines[1:]) else ","
     return pd.read_csv(io.StringIO("\n".join(lines)), sep=separator, decimal=decimal, skipinitialspace=True)
