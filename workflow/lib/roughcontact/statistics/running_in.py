@@ -23,11 +23,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.bodies import check_bodies
 from roughcontact.arguments.checking import check_positive
 from roughcontact.arguments.choices import Influence, ZeroFrequency
 from roughcontact.arguments.kinds import facts_of, properties_of_map
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.si import as_si
+from roughcontact.arguments.stacks import top_material
 from roughcontact.arguments.variables import describe
 from roughcontact.contact.dataset import load_result, unit_of_pressure
 from roughcontact.contact.elasticity.energy import elastic_energy
@@ -103,7 +105,7 @@ def run_in(
     contact_modulus : float, Pa
         E*, unless `bodies` are given as for `solve_contact`.
     bodies : sequence of mappings, optional
-        instead of E*; properties such as conductivities are for the statistics.
+        instead of E*, the face that wears first; properties such as conductivities are for the statistics.
     hardness : float, Pa, optional
         largest pressure, as for `solve_contact`; flow itself leaves no trace in the heights.
     influence : {"sampled", "elements"}
@@ -130,8 +132,8 @@ def run_in(
     Raises
     ------
     SettingsError
-        for a wear coefficient or distances that do not serve, a map of two rough faces, and as
-        `solve_contact`.
+        for a wear coefficient or distances that do not serve, a map of two rough faces, an outermost layer
+        of the face that is worn through, and as `solve_contact`.
     HeightMapError, ConvergenceError
         as `solve_contact`.
 
@@ -160,8 +162,15 @@ def run_in(
     options |= {"influence": influence, "zero_frequency": zero_frequency}
     first = solve_contact(window, **options, mean_pressure=load, tolerance=solver_tolerance, threads=threads)
     faces = worn_faces(first, elasticity(**options), wear, distances, tolerance=tolerance, threads=threads)
+    layer = top_material(check_bodies(bodies)[0]).get("thickness", math.inf) if bodies else math.inf
     rows, course = [], []
     for steps, worn in enumerate(faces):
+        if (lost := float((first["height"].values - worn.height.values).max())) >= layer:
+            raise SettingsError(
+                f"sliding_distance: after {worn.distance:g} m the face, the first of the bodies, has lost "
+                f"{lost:g} m, and its outermost layer is {layer:g} m thick; give shorter distances",
+                keys=["sliding_distance"],
+            )
         course.append((worn.distance, relative_contact_area(worn.pressure > 0)))
         if worn.distance in distances:
             numbers = _numbers(worn, first, {"bodies": bodies} | dict(statistics or {}))
