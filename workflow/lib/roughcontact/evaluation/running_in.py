@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, CONDUCTANCE, GAP, PEAK, PRESSURE
@@ -20,7 +19,7 @@ from roughcontact.arguments.variables import describe
 from roughcontact.contact.solve import NEAR_HARDNESS
 from roughcontact.statistics.running_in import run_in
 from roughcontact.uncertainty.combination import symmetric
-from roughcontact.uncertainty.course import Run, change, with_ends
+from roughcontact.uncertainty.course import Run, components_of, on_scales, with_ends
 from roughcontact.uncertainty.inputs import stiffer
 
 DISTANCE = "running_in_distance"
@@ -56,32 +55,28 @@ def worn_in_a_run(
         **options: Any,
     ) -> xr.Dataset:
         """Return the course on a face, with inputs so many times as large."""
-        inputs: dict[str, Any] = {"mean_pressure": mean_pressure * load}
-        if contact["bodies"]:
-            inputs["bodies"] = stiffer(contact["bodies"], contact_modulus)
-        else:
-            inputs["contact_modulus"] = contact_modulus * contact["contact_modulus"]
-        if contact["hardness"]:
-            inputs["hardness"] = hardness * contact["hardness"]
-            if hardness != 1 or mean_pressure != 1:  # a contact of which all yields carries no more
-                inputs["mean_pressure"] = min(
-                    inputs["mean_pressure"], (1 - 2 * NEAR_HARDNESS) * inputs["hardness"]
-                )
+        bodies, pressure, hardest = contact["bodies"], mean_pressure * load, contact["hardness"]
+        if hardest:  # a contact of which all yields carries no more
+            hardest *= hardness
+            pressure = min(pressure, (1 - 2 * NEAR_HARDNESS) * hardest)
         return run_in(
             face,
+            contact_modulus=None if bodies else contact_modulus * contact["contact_modulus"],
+            bodies=stiffer(bodies, contact_modulus),
+            mean_pressure=pressure,
+            hardness=hardest,
             wear_coefficient=wear["coefficient"],
             sliding_distance=[0.0, *wear["distance"]],
             influence=contact["influence"],
             zero_frequency=contact["zero_frequency"],
             threads=threads,
-            **inputs,
             **options,
         )
 
     coarse: Run = partial(run, statistics=_ANSWERS_ALONE, **FEW_STEPS)
     names = (*ANSWERS, DISTANCE)
     worn, fewer = run(window, tolerance=TOLERANCE, statistics=settings["statistics"]), coarse(window)
-    of_steps = {name: symmetric(np.abs(change(name, fewer, worn))) for name in names}
+    of_steps = components_of(symmetric, abs(on_scales(fewer, names) - on_scales(worn, names)))
     worn = with_ends(worn, window, coarse, names, settings, as_measured=as_measured, causes=[of_steps])
     worn[f"{DISTANCE}_lower"] /= wear["coefficient_factor"]
     worn[f"{DISTANCE}_upper"] *= wear["coefficient_factor"]

@@ -17,6 +17,7 @@ from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.surface.window.periodic_window import subwindow
 from roughcontact.surface.window.transfer import undone
 from roughcontact.uncertainty.combination import (
+    Component,
     Components,
     half_widths,
     interval_bounds,
@@ -25,7 +26,7 @@ from roughcontact.uncertainty.combination import (
     symmetric,
 )
 from roughcontact.uncertainty.ensemble import Result
-from roughcontact.uncertainty.inputs import AMPLIFICATIONS, INPUTS
+from roughcontact.uncertainty.inputs import AMPLIFICATIONS, INPUTS, amplified
 from roughcontact.uncertainty.instrument import instrument_components
 from roughcontact.uncertainty.overview import own_place, windows_of_places
 from roughcontact.uncertainty.random_effects import student
@@ -78,8 +79,8 @@ def with_ends(
     causes : iterable of components
         half-widths by answer.
     """
-    of_parts = _components_of_parts(window, run, names, settings, inputs, as_measured)
-    of_places = _components_of_places(window, run, names, levelled, overviews)
+    of_parts = _causes_of_parts(window, run, names, settings, inputs, as_measured)
+    of_places = _causes_of_places(window, run, names, levelled, overviews)
     columns: dict[str, tuple] = {}
     for name, total in sum_of_causes([*of_parts, *of_places, *causes]).items():
         bounds = interval_bounds(name, to_scale(name, course[name].values), total)
@@ -94,13 +95,18 @@ def levelled_parts(window: xr.DataArray) -> list[xr.DataArray]:
     return [subwindow(relevelled(window.isel(area), 1)) for area in areas]
 
 
-def change(name: str, other: xr.Dataset, course: xr.Dataset) -> np.ndarray:
-    """Return the change of an answer from a course to another one, on its scale."""
-    with np.errstate(invalid="ignore"):
-        return to_scale(name, other[name].values) - to_scale(name, course[name].values)
+def on_scales(course: xr.Dataset, names: Iterable[str]) -> xr.Dataset:
+    """Return answers of a course, each on its scale; NaN for closed gaps and infinite conductances."""
+    scaled = course[[*names]].map(lambda answer: to_scale(answer.name, answer.values))
+    return scaled.where(np.isfinite(scaled))
 
 
-def _components_of_parts(
+def components_of(form: Callable[[np.ndarray], Component], changes: xr.Dataset) -> Components:
+    """Return the components of this form of all answers, from their changes on the scales."""
+    return {str(name): form(change.values) for name, change in changes.items()}
+
+
+def _causes_of_parts(
     window: xr.DataArray,
     run: Run,
     names: Sequence[str],
@@ -111,18 +117,16 @@ def _components_of_parts(
     """Return what the parts tell: their scatter, and on the first one pixels, instrument, stated ranges."""
     cut = levelled_parts(window)
     part, instrument = cut[0], stated_instrument(window, settings["instrument"])
-    courses, finer = [run(each) for each in cut], run(refined(part, 2))
-    causes: list[Components] = [
-        {name: symmetric(2 * np.abs(change(name, finer, courses[0]))) for name in names}
-    ]
-    if len(courses) > 1:
-        factor = float(student(np.array(len(courses) - 1.0)))
-        for name in names:
-            with np.errstate(invalid="ignore"):
-                scatter = np.std([to_scale(name, course[name].values) for course in courses], axis=0, ddof=1)
-            # the largest pressure is that of one part, and scatters as in one; all others are means
-            averaged = 1 if name == PEAK else len(courses)
-            causes.append({name: symmetric(factor * scatter / np.sqrt(averaged))})
+    courses = [run(each) for each in cut]
+    on_part, *others = (on_scales(course, names) for course in courses)
+    finer = on_scales(run(refined(part, 2)), names)
+    causes = [components_of(symmetric, 2 * abs(finer - on_part))]
+    if others:
+        factor = float(student(np.array(float(len(others)))))
+        scatter = factor * xr.concat([on_part, *others], "part").std("part", ddof=1, skipna=False)
+        # the largest pressure is that of one part, and scatters as in one; all others are means
+        means = scatter.drop_vars(PEAK) / math.sqrt(len(courses))
+        causes.append(components_of(symmetric, scatter[[PEAK]].merge(means)))
 
     def solve(other: xr.DataArray, *_: Any, **__: Any) -> dict[str, np.ndarray]:
         course = run(other)
@@ -133,25 +137,18 @@ def _components_of_parts(
     before = None if as_measured is None else levelled_parts(as_measured)[0]
     causes += instrument_components(result, instrument, before, undone(part, instrument))[0]
     for key in inputs:
-        shares = settings["contact"].get(name_of_range(key)) or instrument.get(key)
-        low, high = ends(1.0, shares)
+        low, high = ends(1.0, settings["contact"].get(name_of_range(key)) or instrument.get(key))
         if low < high:
-            at_ends = courses[0], *(_at_factor(run, part, key, factor) for factor in (low, high))
-            both = {name: [change(name, end, courses[0]) for end in at_ends] for name in names}
-            causes.append({k: half_widths(-np.min(v, axis=0), np.max(v, axis=0)) for k, v in both.items()})
+            at_ends = (
+                run(amplified(part, key, factor)) if key in AMPLIFICATIONS else run(part, **{key: factor})
+                for factor in (low, high)
+            )
+            changes = xr.concat([on_part, *(on_scales(course, names) for course in at_ends)], "end") - on_part
+            causes.append(components_of(lambda c: half_widths(-c.min(axis=0), c.max(axis=0)), changes))
     return causes
 
 
-def _at_factor(run: Run, window: xr.DataArray, key: str, factor: float) -> xr.Dataset:
-    """Return the course with an input so many times as large; those of the scales are in the window."""
-    if key not in AMPLIFICATIONS:
-        return run(window, **{key: factor})
-    heights, lengths = (factor if key == name else 1.0 for name in AMPLIFICATIONS)
-    scaled = {axis: lengths * window[axis] for axis in window.dims}
-    return run(window.copy(data=heights * window.values).assign_coords(scaled))
-
-
-def _components_of_places(
+def _causes_of_places(
     window: xr.DataArray,
     run: Run,
     names: Sequence[str],
@@ -171,12 +168,13 @@ def _components_of_places(
     pieces = [own, *(overview.isel(place) for place in windows_of_places(own.shape, overview))]
     windows = [subwindow(relevelled(piece, form_order(fine))) for piece in pieces]
     touching = rms_gradient(windows[0]) / rms_gradient(window)
-    of_map, *others = (run(piece, mean_pressure=touching) for piece in windows)
+    of_map, *others = (
+        on_scales(run(piece, mean_pressure=touching), [name for name in names if name != PEAK])
+        for piece in windows
+    )
     factor = float(student(np.array(len(others) - 1.0))) / math.sqrt(len(others))
-    changes = {
-        name: np.array([change(name, other, of_map) for other in others]) for name in names if name != PEAK
-    }
+    changes = xr.concat(others, "place") - of_map
     return [
-        {name: one_sided(numbers.mean(axis=0)) for name, numbers in changes.items()},
-        {name: symmetric(factor * numbers.std(axis=0, ddof=1)) for name, numbers in changes.items()},
+        components_of(one_sided, changes.mean("place", skipna=False)),
+        components_of(symmetric, factor * changes.std("place", ddof=1, skipna=False)),
     ]

@@ -73,10 +73,8 @@ def _end(source: str, factor: float, result: Result, solution: xr.Dataset) -> tu
     elif source == _MODULUS:
         variation[_MODULUS] = factor * float(solution[_MODULUS])
         variation["bodies"] = stiffer(json_attribute(solution.attrs, "bodies") or None, factor)
-    elif source == _HEIGHTS:
-        window = window.copy(data=factor * window.values)
     else:
-        window = window.assign_coords({axis: factor * window[axis] for axis in ("y", "x")})
+        window = amplified(window, source, factor)
     tolerance = variation.get("tolerance", 1e-4)
     values = solve_member(window, variation, tolerance=tolerance, names=headline_names(solution))
     if CONDUCTANCE in values:  # infinite, not unknown, in full contact
@@ -102,6 +100,13 @@ def _end_of_hardness(factor: float, result: Result, solution: xr.Dataset) -> tup
     ends_at_loads = {name: np.where(flows, value, solved_values[name]) for name, value in values.items()}
     # edges of pixels make an area too small for the load
     return change, ends_at_loads | {AREA: np.fmax(ends_at_loads[AREA], load / hardness)}
+
+
+def amplified(window: xr.DataArray, name: str, factor: float) -> xr.DataArray:
+    """Return a window whose heights or, by the name of their amplification, lengths are so many times."""
+    if name == _HEIGHTS:
+        return window.copy(data=factor * window.values)
+    return window.assign_coords({axis: factor * window[axis] for axis in window.dims})
 
 
 def stiffer(bodies: Any, factor: float) -> Any:
