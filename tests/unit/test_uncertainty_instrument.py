@@ -30,7 +30,16 @@ from roughcontact.uncertainty.calibration import entry, table
 from roughcontact.uncertainty.combination import sum_of_causes
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.instrument import instrument_components
-from roughcontact.uncertainty.scales import ANSWERS, AREA, GAP, PEAK, PRESSURE, QUANTITIES, to_scale
+from roughcontact.uncertainty.scales import (
+    ANSWERS,
+    AREA,
+    CONDUCTANCE,
+    GAP,
+    PEAK,
+    PRESSURE,
+    QUANTITIES,
+    to_scale,
+)
 
 MODULUS = 1e9
 LENS = {"numerical_aperture": 0.3, "wavelength": 0.55e-6}
@@ -156,6 +165,12 @@ def test_noise_that_is_all_of_the_gradient_leaves_no_upper_end(surface):
     solved = results(measured, pressures)
     components = shifts(measured, pressures, solved, {"noise": 2 * noise})
     assert np.isinf(components[AREA][3]).all()
+
+
+def test_a_conductance_that_stays_infinite_does_not_change():
+    infinite = {CONDUCTANCE: np.array([np.inf, 2.0])}
+    result = Result(rough_reference_surface(64), {"mean_pressure": [1.0, 2.0]}, infinite)
+    assert (result.changes(infinite)[CONDUCTANCE] == 0).all()
 
 
 def _tip(radius: float, step: float) -> np.ndarray:

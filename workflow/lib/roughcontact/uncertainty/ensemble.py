@@ -152,7 +152,8 @@ class Result(NamedTuple):
         for name, value in self.values.items():
             reference, values = to_scale(name, value), to_scale(name, results[name])
             closes = np.isfinite(reference) & np.isnan(values) & (results[name] == 0)
-            changes[name] = np.where(closes, -np.inf, np.nan_to_num(values - reference))
+            with np.errstate(invalid="ignore"):  # between infinite conductances
+                changes[name] = np.where(closes, -np.inf, np.nan_to_num(values - reference))
         return changes
 
     def changes_of_part(self, base: Values, variant: Values) -> dict[str, np.ndarray]:
