@@ -11,7 +11,8 @@ answer that is not decided is neither right nor wrong, and is counted.
 Each map asks for a seal at four pressures (p' of the whole map), along x and along y: eight answers a map.
 Its four quarters ask the same at the same pressures (Pa), each by its own ± alone. What is decided of a
 quarter is held against the whole map, and against each of the three quarters that it has not seen. All are
-counted for two seals, and by the narrowest place alone, as where no seal is stated.
+counted for two seals, and by the narrowest place alone, as where no seal is stated. That a fluid lifts what
+presses less than itself is left out: what is counted are answers of the gap.
 """
 
 import argparse
@@ -76,6 +77,7 @@ def is_closed(numbers, axis):
 
 def with_leak(result, factor):
     """Return statistics with so many times their leak; without it for None."""
+    result = result.drop_vars("fluid_pressure", errors="ignore")
     leaks = [name for name in result if str(name).startswith("leak")]
     if factor is None:
         return result.drop_vars(leaks)

@@ -10,7 +10,9 @@ from roughcontact.arguments.answers import ALLOWED_VALUES, TOTALS
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.report.allowed import allowed_in_words
+from roughcontact.report.glance import HEADINGS, glance_rows
 from roughcontact.statistics.allowed import compare, with_allowed
+from roughcontact.statistics.decisions import gap_is_closed
 
 LOADS = np.array([1.0, 2.0, 4.0, 8.0])
 
@@ -166,6 +168,45 @@ def test_a_seal_says_in_all_files_whether_and_from_which_load_on_it_holds(rubber
     }
     assert allowed_in_words(rubber, "leak", 1).startswith("leak of at most 0.100 ml/h: holds, ")
     assert allowed_in_words(rubber, "pressure", 1).endswith("holds, up to 1.00 MPa at least")
+
+
+@pytest.fixture(scope="module")
+def lifted():
+    """Return a smooth rubber seal, which would be tight, under loads below and above its fluid."""
+    seal = {"viscosity": "1 mPa s", "pressure_difference": "5 bar", "width": "3 mm", "perimeter": "120 mm"}
+    return evaluate(
+        self_affine((64, 64), (1e-6, 1e-6), (8e-6, 3.2e-5), rms_height=5e-9),
+        contact={"bodies": ["NBR", "steel"], "mean_pressure": ["2 MPa", "0.2 MPa"]},
+        statistics={"seal": seal | {"allowed_leak": "1 ml/h"}, "requirement": {"gap": "1 um"}},
+    )
+
+
+def test_what_a_fluid_lifts_does_not_hold_in_files_and_words(lifted):
+    """Handbooks of seals: below the pressure of the fluid the bodies part, however closed the gap was."""
+    np.testing.assert_array_equal(lifted["leak_holds"], [1, 0])
+    assert lifted["leak_holds_from"] == lifted["leak_holds_from_lower"] == lifted["fluid_pressure"] == 5e5
+    assert lifted["leak_holds_from_upper"] <= 2e6
+    np.testing.assert_array_equal(gap_is_closed(lifted, "x"), [1, 0])
+    np.testing.assert_array_equal(lifted["sealing_known"], [0, 0])  # decided
+    assert lifted["leak_rate_x_lower"].notnull().all()
+    np.testing.assert_array_equal(lifted["total_leak_rate_x_upper"].isnull(), [False, True])
+    words = "does not hold (the fluid, at 0.500 MPa, lifts the bodies)"
+    assert (
+        allowed_in_words(lifted, "leak", 1)
+        == f"leak of at most 1.00 ml/h: {words}, would hold from 0.500 MPa on (0.500 MPa to 2.00 MPa)"
+    )
+    (row,) = glance_rows(lifted, indices=[1])
+    cell = row[HEADINGS.index("seals?")]
+    assert (cell.text, cell.precision) == ("leaks", "decided")
+    assert cell.details == f"the fluid, at 0.500 MPa, lifts the bodies; leak of at most 1.00 ml/h: {words}"
+
+
+def test_a_load_below_that_of_the_fluid_is_no_load_from_which_on_it_holds():
+    """All loads hold by the gap, and the lightest one is above the fluid: at the fluid's own it may."""
+    ends = {f"total_leak_rate_x{suffix}": ("load", [0.0, 0.0]) for suffix in ("", "_lower", "_upper")}
+    statistics = xr.Dataset(ends | {"fluid_pressure": 2e5}, {"mean_pressure": ("load", [1e6, 2e6])})
+    found = with_allowed(statistics, {"seal": {"allowed_leak": 1e-10}})
+    assert [found[f"leak_holds_from{end}"].item() for end in ("", "_lower", "_upper")] == [1e6, 2e5, 1e6]
 
 
 def numbers_of(holds, crossing, lower, upper):

@@ -182,21 +182,30 @@ def test_several_surfaces_are_answered_in_one_line():
     """What is allowed comes first, then yes or no, then the least and the largest number, by surface."""
     loads = {"mean_pressure": ("load", [1e6, 2e6]), "contact_modulus": 1e9, "rms_height": 1e-6}
     loads |= {name: ("load", [2.0, 1.0]) for name in ("mean_gap", "mean_contact_pressure", "max_pressure")}
+
+    def at(index, surfaces):
+        return {name: (data, index) for name, data in surfaces.items()}
+
     areas = {name: xr.Dataset(loads | {AREA: ("load", [0.01, a])}) for name, a in (("a", 0.3), ("b", 0.1))}
-    assert surfaces_in_words(areas) == "At 2.00 MPa: contact area from 10.0 % (b) to 30.0 % (a)."
+    assert surfaces_in_words(at(1, areas)) == "At 2.00 MPa: contact area from 10.0 % (b) to 30.0 % (a)."
     closed = {f"gap_percolates_{axis}": ("load", [1.0, 0.0]) for axis in "xy"}
     leaks = {f"leak_rate_{axis}": ("load", [1e-9, 0.0]) for axis in "xy"}
     leaks |= {f"critical_constriction_{axis}": ("load", [1e-7, 0.0]) for axis in "xy"}
     seals = {name: data.assign(closed | leaks) for name, data in areas.items()}
-    assert surfaces_in_words(seals) == "At 2.00 MPa: seals for all 2."
+    assert surfaces_in_words(at(0, areas)) == "At 1.00 MPa: contact area from 1.00 % (a) to 1.00 % (b)."
+    assert surfaces_in_words(at(1, seals)) == "At 2.00 MPa: seals for all 2."
     heavier = seals["b"].assign_coords(mean_pressure=("load", [1e6, 3e6]))
-    assert surfaces_in_words(seals | {"b": heavier}).startswith("At the heaviest load of each: seals")
+    assert surfaces_in_words(at(1, seals | {"b": heavier})) == "At the last load of each: seals for all 2."
+    wide = {f"critical_constriction_{axis}_upper": ("load", [1e-6, 1e-6]) for axis in "xy"}
+    wide |= {f"critical_constriction_{axis}_lower": ("load", [0.0, 0.0]) for axis in "xy"}
+    unsure = seals | {"b": seals["b"].assign(wide)}
+    assert surfaces_in_words(at(1, unsure)) == "At 2.00 MPa: seals for a, seals (not decided) for b."
     limit = {"allowed_leak": 1e-9, "leak_holds": ("load", [0.0, 1.0])}
     allowed = {
         "a": seals["a"].assign(limit),
         "b": seals["b"].assign(limit | {"leak_holds": ("load", [0.0] * 2)}),
     }
     expected = "At 2.00 MPa leak of at most 3.60 ml/h: holds for a, does not hold for b."
-    assert surfaces_in_words(allowed) == expected
+    assert surfaces_in_words(at(1, allowed)) == expected
     many = {f"{name}{index}": data for name, data in allowed.items() for index in range(3)}
-    assert surfaces_in_words(many).endswith("holds for 3 of 6, does not hold for 3 of 6.")
+    assert surfaces_in_words(at(1, many)).endswith("holds for 3 of 6, does not hold for 3 of 6.")

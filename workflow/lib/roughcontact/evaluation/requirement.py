@@ -16,6 +16,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS
 from roughcontact.statistics.allowed import compared_ends, with_allowed
+from roughcontact.statistics.decisions import is_lifted
 
 MAX_FACTOR = 32.0  # on the heights: beyond it the surface is another one
 _TOLERANCE = 0.002  # of the logarithm of the factor: half a percent of a leak, the steepest number
@@ -97,6 +98,8 @@ def with_largest_roughness(
                     if end == 0:
                         shift = found - on_curve
                     exponents[end, index] = found
+        if allowed.answer == "sealing":  # no roughness holds what the fluid lifts
+            exponents[:, is_lifted(statistics)] = np.nan
         sizes = np.exp(exponents) * float(statistics["Sq"])
         columns |= {f"{name}_largest_Sq{end}": ("load", row) for end, row in zip(ENDS, sizes, strict=True)}
     return statistics.assign(columns)

@@ -1,12 +1,12 @@
 """Whether what is allowed holds, in words, with the load from which on it does."""
 
 import numpy as np
-import xarray as xr
 
 from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS, TOTALS
 from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.report.units import number_text, unit_of
+from roughcontact.statistics.decisions import is_lifted
 from roughcontact.statistics.kinds import load_in_words
 
 HOLDS, FAILS, NOT_DECIDED = "holds", "does not hold", "not decided"
@@ -36,10 +36,11 @@ def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = F
     word = HOLDING.get(holds, NOT_DECIDED)
     link = {HOLDS: "", FAILS: "would hold ", NOT_DECIDED: "would be "}[word]
     sentence = f"{' '.join(filter(None, [allowed.words, total]))} {limit}: {word}"
+    if lifts := fluid_in_words(numbers, index) if allowed.answer == "sealing" else "":
+        sentence += f" ({lifts})"
     if brief:
         return sentence
-    loads = f"{_load_in_words(numbers, name)}{_fluid_in_words(numbers, name)}"
-    return f"{sentence}, {link}{loads}{_roughness_in_words(numbers, name, index)}"
+    return f"{sentence}, {link}{_load_in_words(numbers, name)}{_roughness_in_words(numbers, name, index)}"
 
 
 def limit_in_words(numbers: Numbers, name: str) -> str:
@@ -50,6 +51,8 @@ def limit_in_words(numbers: Numbers, name: str) -> str:
 
 def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
     """Return what a seal or a joint has in all of what is allowed, with its interval; empty for none.
+
+    What a fluid lifts has none: the leak is that of the gap without it.
 
     Examples
     --------
@@ -62,24 +65,25 @@ def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
         for total in ALLOWED_VALUES[name].numbers
         if total in TOTALS and total in numbers
     }
-    if not totals or not max(totals) > 0:
+    lifted = ALLOWED_VALUES[name].answer == "sealing" and is_lifted(numbers)[index]
+    if lifted or not totals or not max(totals) > 0:
         return ""
     unit = unit_of(numbers, ALLOWED_VALUES[name].unit)
     return f"{number_text(numbers, totals[max(totals)], unit, index)} {unit.symbol}"
 
 
-def _fluid_in_words(numbers: Numbers, name: str) -> str:
-    """Return below which load a fluid lifts the bodies, where some loads are lower; empty where none is.
+def fluid_in_words(numbers: Numbers, index: int) -> str:
+    """Return that a fluid lifts the bodies at a load; empty where it does not.
 
     Examples
     --------
-    >>> seal = xr.Dataset({"mean_pressure": ("load", [2e5]), "contact_modulus": 7e6})
-    >>> [_fluid_in_words(seal.assign_attrs(seal_pressure_difference=fluid), "leak") for fluid in (1e5, 5e5)]
-    ['', ', of loads above the 500 kPa of the fluid']
+    >>> seal = {"mean_pressure": [2e5, 1e6], "contact_modulus": 7e6, "fluid_pressure": 5e5}
+    >>> [fluid_in_words(seal, index) for index in range(2)]
+    ['the fluid, at 500 kPa, lifts the bodies', '']
     """
-    fluid = numbers.attrs.get("seal_pressure_difference", 0.0) if isinstance(numbers, xr.Dataset) else 0.0
-    lifts = ALLOWED_VALUES[name].answer == "sealing" and np.min(numbers["mean_pressure"]) < fluid
-    return f", of loads above the {load_in_words(fluid, numbers)[1]} of the fluid" if lifts else ""
+    if not is_lifted(numbers)[index]:
+        return ""
+    return f"the fluid, at {load_in_words(float(numbers['fluid_pressure']), numbers)[1]}, lifts the bodies"
 
 
 def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:
@@ -112,6 +116,8 @@ def _load_in_words(numbers: Numbers, name: str) -> str:
 
     bounds = [f"{text(lower)} or more" if lower > 0 else "", f"{text(upper)} or less" if upper > 0 else ""]
     interval = f"{text(lower)} to {text(upper)}" if all(bounds) else "".join(bounds)
+    if lower == crossing == upper:  # that of a fluid
+        interval = ""
     if np.isnan(crossing):
         sentence = "below the loads solved" if rises else "beyond the loads solved"
     elif rises:

@@ -20,7 +20,7 @@ from roughcontact.arguments.answers import (
 )
 from roughcontact.arguments.quantities import Unit, percent, quantity
 from roughcontact.arguments.variables import Numbers, has_number, names_asked
-from roughcontact.report.allowed import allowed_in_words, stated_allowed
+from roughcontact.report.allowed import allowed_in_words, fluid_in_words, stated_allowed
 from roughcontact.report.units import (
     hardness_reached,
     interval_at,
@@ -322,6 +322,8 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return whether the gap is closed to a fluid, else leak rate and narrowest place."""
     if (reason := reason_without_flow(numbers)) or not has_number(numbers, "gap_percolates_x"):
         return Cell(NOT_JUDGED, reason)
+    if lifts := fluid_in_words(numbers, index):
+        return Cell("leaks", lifts, precision=_DECIDED)
     decisions = {axis: gap_is_closed(numbers, axis)[index] for axis in "xy"}
     open_axes = [axis for axis in "xy" if float(numbers[f"gap_percolates_{axis}"][index])]
     leaking = [

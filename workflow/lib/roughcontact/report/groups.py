@@ -44,6 +44,7 @@ _IN_LINE = 3  # comparisons
 _FINEST = 1e-3  # of a ratio: half-width of which two digits are shown
 
 Row = dict[str, Any]
+Load = tuple[xr.Dataset, int]  # statistics of a surface, and the place of a load among theirs
 
 
 def group_rows(
@@ -62,25 +63,39 @@ def group_rows(
             "of": group.members.in_words(group.answer.sizes["map"], len({*group.answer["part"].values}))
             + _verdicts(group, verdicts or {}),
             "remarks": json_attribute(group.answer.attrs, "remarks"),
-            "rows": [
-                group_cells(group.answer, of_group, index) for index in shown_loads(group.answer[AREA].values)
-            ],
+            "rows": [group_cells(group.answer, of_group, index) for index in _shown(group)],
         }
         for group, of_group in zip(groups, units, strict=True)
     ]
 
 
+def _shown(group: NamedGroup) -> list[int]:
+    """Return the loads of a group that are shown."""
+    return shown_loads(group.answer[AREA].values)
+
+
 def group_picture(groups: Sequence[NamedGroup]) -> tuple[str, str]:
     """Return (image, caption) of the groups and each of their maps at two or three loads."""
     pressure = min((unit_of(group.answer, "Pa") for group in groups), key=lambda unit: unit.factor)
-    displayed = [
-        (group.label, group.answer.isel(load=shown_loads(group.answer[AREA].values))) for group in groups
-    ]
+    displayed = [(group.label, group.answer.isel(load=_shown(group))) for group in groups]
     caption = (
         "Open marks: each map. Filled: the group, with the 95 % interval of its mean (of a pair of faces: of "
         "the next placement; without one, their range). Groups stand beside one another at each load."
     )
     return group_areas(displayed, pressure), caption
+
+
+def shown_comparisons(
+    comparisons: Mapping[tuple[str, str], xr.Dataset], answers: Mapping[str, xr.Dataset]
+) -> dict[tuple[str, str], xr.Dataset]:
+    """Return comparisons at the loads that are shown, by the areas of the one that is named first."""
+    shown = {}
+    for labels, result in comparisons.items():
+        reference = answers[labels[0]]
+        loads, areas = (reference[name].values for name in ("mean_pressure", AREA))
+        area = np.interp(result["mean_pressure"].values, loads, areas)
+        shown[labels] = result.isel(load=shown_loads(area))
+    return shown
 
 
 def comparison_rows(
@@ -97,10 +112,7 @@ def comparison_rows(
     rows = []
     for (label, partner), result in comparisons.items():
         pressure = unit_of(answers[label], "Pa")
-        loads, areas = (answers[label][name].values for name in ("mean_pressure", AREA))
-        area = np.interp(result["mean_pressure"].values, loads, areas)
-        part = result.isel(load=shown_loads(area))
-        loads = part["mean_pressure"].values.tolist()
+        loads = result["mean_pressure"].values.tolist()
         is_limited_at = [all(_limited_at(answers[name], load) for name in (label, partner)) for load in loads]
         rows.append(
             {
@@ -108,7 +120,7 @@ def comparison_rows(
                 "second": partner,
                 "loads": [pressure.text(load) for load in loads],
                 "rows": [
-                    _comparison(part.sel(quantity=name), name, is_limited_at)
+                    _comparison(result.sel(quantity=name), name, is_limited_at)
                     for name in COMPARED
                     if name in result["quantity"].values
                 ],
@@ -120,8 +132,7 @@ def comparison_rows(
 
 def _limited_at(answer: xr.Dataset, load: float) -> bool:
     """Return whether the largest pressure of a group or map is the hardness, at the load (Pa) next to one."""
-    index = int(np.abs(answer["mean_pressure"].values - load).argmin())
-    return PEAK in answer and bool(hardness_reached(answer)[index])
+    return PEAK in answer and bool(hardness_reached(answer)[_nearest_load(answer, load)])
 
 
 def _verdicts(group: NamedGroup, verdicts: Mapping[tuple[str, str | None], str]) -> str:
@@ -207,94 +218,116 @@ def _outcome_in_words(load: xr.Dataset) -> str:
 
 
 def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[tuple[str, str | None], xr.Dataset]) -> str:
-    """Return the contact area of up to three groups at their last load, and for how many maps what holds.
+    """Return the contact area of up to three groups at the last load shown, and for how many maps what holds.
 
     `maps` has the statistics of each map by its name and case, loads rising.
     """
     sentences = []
     for group in groups if len(groups) <= _IN_LINE else ():
-        (load, area, *_) = group_cells(group.answer, glance_units([group.answer])[0], -1)
+        answer, index = group.answer, _shown(group)[-1]
+        (load, area, *_) = group_cells(answer, glance_units([answer])[0], index)
         known = ", ".join(filter(None, (area.details, area.known)))
         words = [f"contact area {area.text}{f' ({known})' if known else ''}"]
-        of_maps = {str(name): maps[str(name), group.case] for name in group.answer["map"].values}
-        words = [*holding_in_words(of_maps), *words]
+        of_maps = {str(name): maps[str(name), group.case] for name in answer["map"].values}
+        pressure = float(answer["mean_pressure"][index])
+        loads = {name: (data, _nearest_load(data, pressure)) for name, data in of_maps.items()}
+        words = [*holding_in_words(loads), *words]
         sentences.append(f"{group.label} at {load.text}: {', '.join(words)}")
     return f"{'; '.join(sentences)}." if sentences else ""
 
 
-def holding_in_words(results: Mapping[str, xr.Dataset]) -> list[str]:
-    """Return for which surfaces, by name, what all of them are allowed holds at their last load.
+def _nearest_load(answer: xr.Dataset, load: float) -> int:
+    """Return the place of the load (Pa) of a group or map that is next to one."""
+    return int(np.abs(answer["mean_pressure"].values - load).argmin())
+
+
+def holding_in_words(results: Mapping[str, Load]) -> list[str]:
+    """Return for which surfaces, by name, what all of them are allowed holds at a load of each.
 
     Examples
     --------
     >>> seal = xr.Dataset({"allowed_leak": 1e-9, "leak_holds": ("load", [np.nan, 1.0])})
-    >>> holding_in_words({"ground": seal, "turned": seal.assign(leak_holds=("load", [0.0, 0.0]))})
+    >>> leaky = seal.assign(leak_holds=("load", [0.0, 0.0]))
+    >>> holding_in_words({"ground": (seal, 1), "turned": (leaky, 1)})
     ['leak of at most 3.60 ml/h: holds for ground, does not hold for turned']
-    >>> holding_in_words({"ground": seal, "turned": seal})
-    ['leak of at most 3.60 ml/h: holds for all 2']
+    >>> holding_in_words({"ground": (seal, 0), "turned": (seal, 0)})
+    ['leak of at most 3.60 ml/h: not decided for all 2']
     """
-    reference, *_ = results.values()
+    reference = next(data for data, _ in results.values())
     sentences = []
     for name in stated_allowed(reference):
-        if any(f"{name}_holds" not in data for data in results.values()):
+        if any(f"{name}_holds" not in data for data, _ in results.values()):
             continue
-        if len({float(data[f"allowed_{name}"]) for data in results.values()}) > 1:
+        if len({float(data[f"allowed_{name}"]) for data, _ in results.values()}) > 1:
             continue
-        surfaces: dict[str, list[str]] = {HOLDS: [], FAILS: [], NOT_DECIDED: []}
-        for surface, data in results.items():
-            surfaces[HOLDING.get(float(data[f"{name}_holds"][-1]), NOT_DECIDED)].append(surface)
-        words = [
-            f"{word} for {_names_or_count(names, len(results))}" for word, names in surfaces.items() if names
-        ]
+        words = {
+            surface: HOLDING.get(float(data[f"{name}_holds"][index]), NOT_DECIDED)
+            for surface, (data, index) in results.items()
+        }
         limit = limit_in_words(reference, name)
-        sentences.append(f"{ALLOWED_VALUES[name].words} {limit}: {', '.join(words)}")
+        in_words = _by_word(words, [HOLDS, FAILS, NOT_DECIDED])
+        sentences.append(f"{ALLOWED_VALUES[name].words} {limit}: {in_words}")
     return sentences
 
 
-def _names_or_count(names: Sequence[str], total: int) -> str:
-    """Return the names of some of all surfaces, or how many they are."""
-    if len(names) == total:
-        return f"all {total}"
-    return " and ".join(names) if len(names) < _IN_LINE else f"{len(names)} of {total}"
+def _by_word(words: Mapping[str, str], order: Sequence[str] = ()) -> str:
+    """Return which surfaces, by name, have which word; of many how many.
+
+    Examples
+    --------
+    >>> _by_word({"a": "leaks", "b": "seals", "c": "leaks"}), _by_word({"a": "leaks", "b": "leaks"})
+    ('leaks for a and c, seals for b', 'leaks for all 2')
+    """
+    surfaces: dict[str, list[str]] = {word: [] for word in order}
+    for surface, word in words.items():
+        surfaces.setdefault(word, []).append(surface)
+    parts = []
+    for word, names in surfaces.items():
+        which = " and ".join(names) if len(names) < _IN_LINE else f"{len(names)} of {len(words)}"
+        which = f"all {len(words)}" if len(names) == len(words) else which
+        parts += [f"{word} for {which}"] if names else []
+    return ", ".join(parts)
 
 
-def surfaces_in_words(results: Mapping[str, xr.Dataset]) -> str:
+def surfaces_in_words(results: Mapping[str, Load]) -> str:
     """Return of several surfaces, by name, what is allowed of all, else the least and the largest result.
 
-    It is that at their last load, of the first number that they are asked for; empty without one.
+    It is that at a load of each, of the first number that they are asked for; empty without one.
 
     Examples
     --------
     >>> areas = {"a": 0.3, "b": 0.1, "c": 0.2}
     >>> loads = {"mean_pressure": ("load", [1e6]), "contact_modulus": 1e9}
-    >>> results = {name: xr.Dataset(loads | {AREA: ("load", [area])}) for name, area in areas.items()}
+    >>> results = {name: (xr.Dataset(loads | {AREA: ("load", [area])}), 0) for name, area in areas.items()}
     >>> surfaces_in_words(results)
     'At 1.00 MPa: contact area from 10.0 % (b) to 30.0 % (a).'
     """
-    loads = {stated_loads(data).texts[-1] for data in results.values()}
-    head = f"At {loads.pop()}" if len(loads) == 1 else "At the heaviest load of each"
+    texts = {stated_loads(data).texts[index] for data, index in results.values()}
+    head = f"At {texts.pop()}" if len(texts) == 1 else "At the last load of each"
     if sentences := holding_in_words(results):
         return f"{head} {'; '.join(sentences)}."
-    columns = asked_columns([*results.values()])[1:]
+    all_data = [data for data, _ in results.values()]
+    columns = asked_columns(all_data)[1:]
     if HEADINGS_OF_COLUMNS[columns[0]] in IN_WORDS:  # a yes or no: which surfaces it is of
-        surfaces: dict[str, list[str]] = {}
-        for surface, data in results.items():
-            surfaces.setdefault(glance_rows(data, indices=[-1])[0][columns[0]].text, []).append(surface)
-        words = [f"{word} for {_names_or_count(names, len(results))}" for word, names in surfaces.items()]
-        return f"{head}: {', '.join(words)}."
+        cells = {name: glance_rows(data, indices=[i])[0][columns[0]] for name, (data, i) in results.items()}
+        words = {
+            name: cell.text + (f" ({NOT_DECIDED})" if cell.precision == NOT_DECIDED else "")
+            for name, cell in cells.items()
+        }
+        return f"{head}: {_by_word(words)}."
     answers = [COLUMN_NAMES[column - 1] for column in columns]
-    name = next((name for name in answers if all(has_number(data, name) for data in results.values())), "")
-    if not name:
+    answer = next((name for name in answers if all(has_number(data, name) for data in all_data)), "")
+    if not answer:
         return ""
-    units = glance_units([*results.values()])
-    values = [float(data[name][-1]) for data in results.values()]
-    of_all = list(zip(results.items(), units, strict=True))
-    lowest, highest = (of_all[int(index)] for index in (np.nanargmin(values), np.nanargmax(values)))
-    texts = [
-        f"{interval_cell(data, name, unit, -1).text} ({surface})"
-        for (surface, data), unit in (lowest, highest)
+    values = {name: float(data[answer][index]) for name, (data, index) in results.items()}
+    units = dict(zip(results, glance_units(all_data), strict=True))
+    known = sorted((name for name in values if np.isfinite(values[name])), key=lambda name: values[name])
+    ends = [
+        f"{interval_cell(data, answer, units[name], index).text} ({name})"
+        for name in (known[0], known[-1])
+        for data, index in [results[name]]
     ]
-    return f"{head}: {TITLES[name]} from {texts[0]} to {texts[1]}."
+    return f"{head}: {TITLES[answer]} from {ends[0]} to {ends[1]}."
 
 
 def _comparison(part: xr.Dataset, name: str, is_limited_at: Sequence[bool]) -> Row:

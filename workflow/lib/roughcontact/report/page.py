@@ -25,6 +25,7 @@ from roughcontact.report.groups import (
     group_picture,
     group_rows,
     groups_in_words,
+    shown_comparisons,
     surfaces_in_words,
 )
 from roughcontact.report.load_plots import compare_areas, line_sample, spread_of_areas
@@ -127,10 +128,13 @@ def write_report(
         if not group.members.is_compared
         for name in group.answer["map"].values
     }
-    asked = {labels: table for labels, table in (compared or {}).items() if not uncompared & {*labels}}
+    maps = {_name(*key): data for key, data in series.items()}
+    compared = shown_comparisons(compared or {}, maps | {group.label: group.answer for group in groups})
+    asked = {labels: table for labels, table in compared.items() if not uncompared & {*labels}}
     several = differences_in_words(asked) or groups_in_words(groups, series)
-    if results and not (several or groups):
-        several = surfaces_in_words({_name(*key): data for key, data in series.items()})
+    if results and not (several or groups):  # at the last load that the table below shows of each
+        last = compared_at if has_index else {(row["surface"], row["case"]): row["loads"][-1] for row in rows}
+        several = surfaces_in_words({_name(*key): (data, last[key]) for key, data in series.items()})
     head["answer"] = rows[0]["answer"] if len(rows) == 1 else several
     head |= {"in_words": glance.IN_WORDS, "asked_of_run": describe_problem(settings, changed)}
     equal = same_loads(settings)
@@ -158,7 +162,7 @@ def write_report(
         group_headings=GROUP_HEADINGS,
         group_picture=group_picture(groups) if groups else None,
         left_out=omissions,
-        compared=comparison_rows(compared or {}, groups, {_name(*key): data for key, data in series.items()}),
+        compared=comparison_rows(compared, groups, maps),
         folded=bool(group_of_surface) and by_surface.keys() <= group_of_surface.keys(),
         **head,
         measured=measured_in_words({row["surface"]: row["measured"] for row in rows}),

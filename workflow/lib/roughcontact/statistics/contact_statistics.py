@@ -30,6 +30,7 @@ from roughcontact.statistics.adhesion import adhesion_numbers
 from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers
 from roughcontact.statistics.conductance import Bodies
 from roughcontact.statistics.contact_geometry import contact_perimeter, point_area, relative_contact_area
+from roughcontact.statistics.decisions import is_lifted
 from roughcontact.statistics.densities import density, logarithmic_edges
 from roughcontact.statistics.friction import friction_statistics
 from roughcontact.statistics.kinds import numbers_of_kind
@@ -199,8 +200,8 @@ def contact_statistics(
     )
     columns |= conductance.resistances_and_joint(conductances, columns, joint)
     if seal is not None and with_flow:
-        leaks, parameters["leak_rate_by_cube"] = _leaks(columns, seal)
-        columns |= leaks
+        columns |= _leaks(columns, seal)
+        parameters |= _numbers_of_seal(seal)
     columns |= theory_columns(
         mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient, summits=surface.summits
     )
@@ -240,15 +241,23 @@ def contact_statistics(
     return describe(_add_friction(statistics, contact, friction, bodies))
 
 
-def _leaks(columns: Mapping[str, np.ndarray], seal: Mapping[str, Any]) -> tuple[dict[str, np.ndarray], float]:
-    """Return the leak rates of the loads (m2/s), and that of smooth plates over its gap cubed."""
+def _leaks(columns: Mapping[str, np.ndarray], seal: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Return the leak rates of the loads (m2/s)."""
     from roughcontact.statistics.sealing.flow import leak_columns
 
     fluid = {key: value for key, value in seal.items() if key not in ("perimeter", "allowed_leak")}
     check_keys("seal", fluid, leak_columns)
-    no_slip = {key: value for key, value in fluid.items() if key != "mean_free_path"}
-    plates = leak_columns(1.0, {"flow_factor_xx": 1.0, "flow_factor_yy": 1.0}, **no_slip)
-    return leak_columns(columns["mean_gap"], columns, **fluid), float(plates["leak_rate_x"])
+    return leak_columns(columns["mean_gap"], columns, **fluid)
+
+
+def _numbers_of_seal(seal: Mapping[str, Any]) -> dict[str, float]:
+    """Return the pressure of the fluid, and the leak rate of smooth plates over their gap cubed."""
+    plates = {"mean_gap": np.ones(1), "flow_factor_xx": np.ones(1), "flow_factor_yy": np.ones(1)}
+    no_slip = {key: value for key, value in seal.items() if key != "mean_free_path"}
+    return {
+        "fluid_pressure": float(seal["pressure_difference"]),
+        "leak_rate_by_cube": float(_leaks(plates, no_slip)["leak_rate_x"].item()),
+    }
 
 
 def _check_bins(**options: int) -> None:
@@ -390,7 +399,8 @@ def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
     """Return the ends of the intervals of the leak rates, which go as the cube of the narrowest place.
 
     One place carries most of the pressure drop (Persson and Yang 2008). For a closed gap the upper end is
-    that of plates at the upper end of the narrowest place.
+    that of plates at the upper end of the narrowest place; nothing bounds what leaks where the fluid lifts
+    the bodies.
     """
     bounds: dict[str, xr.DataArray] = {}
     path = path_at_mean_pressure(statistics.attrs)
@@ -405,6 +415,7 @@ def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
             for end in ENDS[1:]:
                 opening = statistics[f"{narrowest}{end}"]
                 bounds[f"{name}{end}"] = by_cube * opening**3 * slip_factor(opening, path)
+            bounds[f"{name}_upper"] = bounds[f"{name}_upper"].where(~is_lifted(statistics))
     return bounds
 
 

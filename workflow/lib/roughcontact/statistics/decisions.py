@@ -42,13 +42,24 @@ def closed_opening(numbers: Numbers, axis: str) -> np.ndarray:
         return np.fmax(CLOSED, np.cbrt(TIGHT / by_cube))
 
 
+def is_lifted(numbers: Numbers) -> np.ndarray:
+    """Return per load whether the fluid that is sealed presses more than the bodies, and opens the gap.
+
+    Examples
+    --------
+    >>> is_lifted({"fluid_pressure": 5e5, "mean_pressure": [2e5, 1e6]})
+    array([ True, False])
+    """
+    return _of_loads(numbers, "mean_pressure") < _number(numbers, "fluid_pressure")
+
+
 def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
     """Return per load 1 where the gap is closed along an axis for certain, 0 where it is open, else NaN.
 
     It is closed in full contact, and where the upper end of the narrowest place is at most `closed_opening`,
     open where its lower end is above; either where nearly all parts of the window, which are smaller, are as
     the window. Where the upper end of the contact area is below `OPEN_BELOW` the gap is open around islands,
-    and its narrowest place is known at least as well as its mean.
+    and its narrowest place is known at least as well as its mean. A fluid opens what it lifts (`is_lifted`).
 
     Examples
     --------
@@ -74,7 +85,8 @@ def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
     yes |= (value <= limit) & (closed_parts >= 1 - _MAX_DIFFERENT)
     no = (np.fmax(lower, lowest) > limit) | (has_islands & (limit <= CLOSED))
     no |= (value > limit) & (open_parts >= 1 - _MAX_DIFFERENT)
-    return _monotone(numbers, yes=yes, no=no)
+    lifted = is_lifted(numbers)
+    return _monotone(numbers, yes=yes & ~lifted, no=no | lifted)
 
 
 def _shares(numbers: Numbers, name: str, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
