@@ -141,6 +141,7 @@ NO_NUMBER |= {name for name in VARIABLES if "friction_" in name}
 # what a user allows, totals of an area or perimeter of his, and the materials'
 NO_NUMBER |= {name for name in VARIABLES if name.startswith(("allowed_", "total_"))}
 NO_NUMBER |= {name for name in VARIABLES if re.search("_(holds(_from)?|largest_Sq)$", name)}
+NO_NUMBER |= {"fluid_pressure"}  # of the seal, which stays as it is
 NO_NUMBER |= {"time"} | {name for name in VARIABLES if "_after" in name}  # of bodies that creep
 NO_NUMBER |= {
     "joint_area",

@@ -151,28 +151,6 @@ def test_surfaces_are_colours_and_cases_are_line_styles():
     assert seen == [tuple(load_plots.line_sample(*name).values()) for name in names]
 
 
-def test_the_median_of_many_surfaces():
-    """Between loads by powers; only where half of the surfaces or more were solved."""
-    wide, narrow = np.array([1e-3, 1e-1]), np.array([1e-2, 1e-1])
-    group = [(wide, 2 * wide), (wide[::-1], 3 * wide[::-1]), (narrow, 5 * narrow), (narrow, 7 * narrow)]
-    images = load_plots.spread_of_areas({"soft": group, "hard": [(wide, wide)]})
-    drawn = read_chart(images["soft"], log="xy")
-    assert "soft" in drawn.texts
-    faint = [line for line in drawn.lines if line.colour == f"{COLOURS[0]}38"]
-    for line, (load, area) in zip(faint, group, strict=True):
-        assert (line.x, line.y) == (near(np.sort(load)), near(100 * np.sort(area)))
-    median = drawn.labelled("median of 4 surfaces")
-    assert median.x[[0, -1]] == near([1e-3, 1e-1])
-    factor = np.where(median.x < 0.99e-2, 2.5, 4.0)
-    clear = np.abs(np.log(median.x / 1e-2)) > 0.1
-    assert median.y[clear] == near((100 * factor * median.x)[clear])
-    median_chart = load_plots.spread_of_areas({"": [*group[:1], *group[2:]]})[""]
-    median = read_chart(median_chart, log="xy").labelled("median of 3 surfaces")
-    assert median.x.min() > 0.99e-2  # at lower loads one of three
-    chart = read_chart(images["hard"], log="xy")
-    assert chart.labelled("median of 1 surfaces").y[[0, -1]] == near([0.1, 10.0])
-
-
 def test_gap_against_the_load():
     drawn = read_chart(load_plots.gap_against_load(numbers()), log="xy")
     assert {"mean gap (µm)", "mean pressure (MPa)"} <= set(drawn.texts)

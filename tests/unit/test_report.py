@@ -1024,13 +1024,7 @@ def test_of_many_surfaces_there_is_an_index_and_a_page_each(study):
         assert set(files) == expected_links
         assert all((pages / file).is_file() for file in files)
     assert "bad.txt: &lt;empty&gt;" in text
-    # a picture for each case, in its own colour, with the same axes
-    pictures = [unquote(picture) for picture in re.findall(r'<img src="(data:[^"]*)"', text)]
-    assert len(pictures) == 2
-    for picture, case, colour in zip(pictures, ("soft", "hard"), ("#0072B2", "#D55E00"), strict=True):
-        assert f">{case}</text>" in picture
-        assert picture.count(f'"{colour}38"') == 7
-        assert "median of 7 surfaces" in picture
+    assert "<img" not in text  # lines of so many surfaces over one another would tell nothing
     for page in (text, *(path.read_text(encoding="utf-8") for path in pages.iterdir())):
         assert not re.search(r"(?i)url\(|@import|https?://", re.sub(r'"data:[^"]*"', "", page))
     assert len(text) < 200_000

@@ -119,6 +119,7 @@ def test_the_answers_at_a_glance(variables_dropped, conducts):
         Cell("not judged"),  # the radius of a body of finite size
         Cell("not judged"),  # its approach
         Cell("not judged"),  # friction
+        Cell("not judged"),  # how warm it gets
     ]
 
 

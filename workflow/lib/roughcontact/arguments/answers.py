@@ -155,6 +155,7 @@ ASKED_BY = {
     PEAK: ("contact_radius", "allowed_pressure"),
     "conductance": ("joint_conductance", "joint_area", "temperature_drop", "allowed_resistance"),
     "friction_coefficient": ("friction_coefficient",),
+    "max_flash_temperature": ("max_flash_temperature",),
 }
 COMPARED = tuple(name for name, answer in ANSWERS.items() if answer.quantity == name)  # numbers of each load
 

@@ -79,7 +79,7 @@ def fluid_in_words(numbers: Numbers, index: int) -> str:
     --------
     >>> seal = {"mean_pressure": [2e5, 1e6], "contact_modulus": 7e6, "fluid_pressure": 5e5}
     >>> [fluid_in_words(seal, index) for index in range(2)]
-    ['the fluid, at 500 kPa, lifts the bodies', '']
+    ['the fluid, at 0.500 MPa, lifts the bodies', '']
     """
     if not is_lifted(numbers)[index]:
         return ""

@@ -11,8 +11,11 @@ from roughcontact.arguments.answers import (
     ANSWERS,
     AREA,
     ASKED_BY,
+    CONDUCTANCE,
+    ENDS,
     GAP,
     PEAK,
+    PRESSURE,
     QUANTITIES,
     TITLES,
     UNITS,
@@ -39,7 +42,7 @@ from roughcontact.statistics.decisions import (
     is_yielding,
 )
 from roughcontact.statistics.kinds import facts_of_numbers, reason_without_flow
-from roughcontact.statistics.outcome import FAILED, VERDICTS
+from roughcontact.statistics.outcome import FAILED, VERDICTS, Check
 from roughcontact.statistics.precision import is_known, precision_in_words
 
 AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
@@ -62,7 +65,13 @@ _OF_YIELD = (  # numbers of a load, or of the surface, that tell whether a body 
     *("volume_above_yield", "load_share_above_hardness", "area_share_above_hardness", "hardness"),
     *("contact_modulus", "mean_contact_pressure", PEAK),
 )
-_PROPERTIES = {"conductivity": "thermal_conductivity", "resistivity": "electrical_resistivity"}
+# a number in proportion to a property of the bodies -> the one whose sources its ± has, and that property
+_FACTORS = {
+    "friction_coefficient": (AREA, "shear_strength"),
+    "thermal_conductance": (CONDUCTANCE, "thermal_conductivity"),
+    "electrical_conductance": (CONDUCTANCE, "electrical_resistivity"),
+    "joint_conductance": ("joint_conductance", "thermal_conductivity"),
+}
 _COMMON_UNIT_RATIO = 100.0  # ratio of rms heights up to which one unit does for all
 
 
@@ -146,9 +155,28 @@ def verdict_on_asked(numbers: xr.Dataset, indices: Sequence[int], verdict: str) 
     >>> verdict_on_asked(seal, [0], "passed")
     'review'
     """
-    names = {COLUMN_NAMES[place - 1] for place in asked_columns([numbers])[1:]} - {*USUAL}
+    names = _asked_answers(numbers) - {*USUAL}
     outcomes = [outcome_of(numbers, index, name) for name in names for index in indices]
     return max(verdict, *filter(None, outcomes), key=[*VERDICTS].index) if any(outcomes) else verdict
+
+
+def main_doubt(numbers: xr.Dataset, doubts: Sequence[Check]) -> Check | None:
+    """Return the first of some checks that concerns what is asked for, contact area or pressure in contact.
+
+    Examples
+    --------
+    >>> gap, area = Check("Sample", "review", "Small.", (GAP,)), Check("Noise", "review", "High.", (AREA,))
+    >>> rubbing = xr.Dataset({"friction_coefficient": ("load", [0.2])})
+    >>> main_doubt(rubbing, [gap, area]).name, main_doubt(xr.Dataset(), [gap, area]).name
+    ('Noise', 'Sample')
+    """
+    answers = {*_asked_answers(numbers), AREA, PRESSURE}
+    return next((check for check in doubts if answers & {*check.answers}), None)
+
+
+def _asked_answers(numbers: xr.Dataset) -> set[str]:
+    """Return the names of the columns that a surface is asked for."""
+    return {COLUMN_NAMES[place - 1] for place in asked_columns([numbers])[1:]}
 
 
 def load_heading(results: Sequence[xr.Dataset]) -> str:
@@ -307,15 +335,46 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     share = numbers.get("load_share_above_hardness")  # of a group of maps it is not known
     flows = limited and bool((hardness_reached(numbers) if share is None else np.greater(share, 0))[index])
     value, lower, upper = (bound * factor for bound in interval_at(numbers, name, index))
-    remark = "hardness taken as exact" if flows and not has_range else ""
-    if has_range and (is_hardness or largest_source(numbers, name, index) == "hardness"):
-        remark = "most of it by the hardness"
+    remarks = ["hardness taken as exact"] if flows and not has_range else []
+    if cause := "hardness" if is_hardness else _largest_cause(numbers, name, index):
+        remarks.append(f"most of it by the {cause}")
+    _, factor_name = _FACTORS.get(name, ("", ""))
+    if factor_name and f"{factor_name}_lower" not in numbers:
+        remarks.append(f"{_in_words(factor_name)} {_EXACT}")
     precision = precision_in_words(value, lower, upper, Unit(1.0, symbol))
-    remark = remark if is_known(value, lower, upper) else ""
+    remark = ", ".join(remarks) if is_known(value, lower, upper) else ""
     if name == GAP and min(value, upper) < CLOSED * factor:  # a NaN end is no smaller
         open_elsewhere = f"up to {Unit(1.0, symbol).text(upper)}" if upper >= CLOSED * factor else ""
         return Cell(_CLOSED, open_elsewhere, precision="" if open_elsewhere else "to 1 nm")
     return Cell(shown, interval.strip("()"), precision=precision, remark=remark)
+
+
+def _in_words(name: str) -> str:
+    """Return the name of a property without what it is a property of: "resistivity", "shear strength"."""
+    return name.removeprefix("thermal_").removeprefix("electrical_").replace("_", " ")
+
+
+def _largest_cause(numbers: Numbers, name: str, index: int) -> str:
+    """Return the property that makes most of the ± of a number at a load; empty for another cause.
+
+    Examples
+    --------
+    >>> widths = {"relative_contact_area_uncertainty": [[0.03, 0.02]], "source": ["hardness", "combined"]}
+    >>> numbers = widths | {"relative_contact_area": [0.1], "shear_strength": 1e8}
+    >>> range_of_strength = {"shear_strength_lower": 6e7, "shear_strength_upper": 1.2e8}
+    >>> [_largest_cause(n, "friction_coefficient", 0) for n in (numbers, numbers | range_of_strength)]
+    ['hardness', 'shear strength']
+    """
+    base, factor_name = _FACTORS.get(name, (name, ""))
+    if not (source := largest_source(numbers, base, index)):
+        return ""
+    if f"{factor_name}_lower" in numbers:
+        value, lower, upper = (float(numbers[f"{factor_name}{end}"]) for end in ENDS)
+        place = list(np.asarray(numbers["source"])).index(source)
+        width = float(numbers[f"{base}_uncertainty"][index][place]) / float(numbers[base][index])
+        if max(upper - value, value - lower) / value > width:
+            return _in_words(factor_name)
+    return source if source == "hardness" else ""
 
 
 def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
@@ -394,11 +453,11 @@ def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
 
 def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return the conductance of the joint, of heat or of current, or that by conductivity."""
-    for name, sentence, assumption in (
-        ("joint_conductance", "heat, with film and gas", "conductivity"),
-        ("thermal_conductance", "heat", "conductivity"),
-        ("electrical_conductance", "current", "resistivity"),
-        ("conductance_per_conductivity", "by conductivity", ""),
+    for name, sentence in (
+        ("joint_conductance", "heat, with film and gas"),
+        ("thermal_conductance", "heat"),
+        ("electrical_conductance", "current"),
+        (CONDUCTANCE, "by conductivity"),
     ):
         if has_number(numbers, name):
             main = interval_cell(numbers, name, units, index)
@@ -410,10 +469,7 @@ def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
             total = f"total_{'electrical' if name.startswith('electrical') else 'thermal'}_resistance"
             if "joint_area" in numbers and total in numbers:
                 details.append(f"{_unbroken(numbers, total, units, index)} {_OF_JOINT}")
-            remarks = [main.remark]
-            if assumption and main.precision and f"{_PROPERTIES[assumption]}_lower" not in numbers:
-                remarks.append(f"{assumption} taken as exact")
-            return main._replace(details="; ".join(details), remark=", ".join(filter(None, remarks)))
+            return main._replace(details="; ".join(details))
     return Cell(NOT_JUDGED)
 
 

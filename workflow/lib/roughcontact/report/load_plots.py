@@ -1,6 +1,6 @@
 """Charts of results against load: area, gap, pressure; of distributions and comparisons, as data URIs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -157,33 +157,6 @@ def _case_style(case: int) -> dict[str, Any]:
 def line_sample(surface: int, case: int) -> dict[str, str]:
     """Return colour and dashes of the line of a surface under a case, by their places, in `compare_areas`."""
     return {"colour": _style(surface)["colour"], "dash": _case_style(case)["dash"]}
-
-
-def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]]) -> dict[str, str]:
-    """Draw the contact area against the load of many surfaces, one chart for each case, with their median."""
-    loads = np.concatenate([load for group in groups.values() for load, _ in group])
-    areas = np.concatenate([area for group in groups.values() for _, area in group])
-    images = {}
-    for index, (name, group) in enumerate(groups.items()):
-        # the same axes in every chart, so that they can be laid side by side
-        chart = _area_chart(loads, areas, title=name)
-        colour = COLOURS[index % len(COLOURS)]
-        line = np.geomspace(min(load.min() for load, _ in group), max(load.max() for load, _ in group), 60)
-        curves = []
-        for load, area in group:
-            order = np.argsort(load)
-            chart.line(load[order], 100 * area[order], colour=f"{colour}38", width=0.8)
-            # an area of zero has no logarithm
-            logs = np.log(load[order]), np.log(np.maximum(area[order], 1e-300))
-            curves.append(np.exp(np.interp(np.log(line), *logs, left=np.nan, right=np.nan)))
-        # a median of half of the surfaces at least: beyond, it would jump with each that ends
-        available = np.isfinite(curves).sum(axis=0) >= max(len(group) / 2, 1)
-        median = np.full(line.size, np.nan)
-        median[available] = np.nanmedian(np.array(curves)[:, available], axis=0)
-        _theory_lines(chart, loads)
-        chart.line(line, 100 * median, colour=colour, width=2.6, label=f"median of {len(group)} surfaces")
-        images[name] = chart.source()
-    return images
 
 
 def _theory_lines(chart: Chart, loads: np.ndarray, unit: float = 1.0) -> np.ndarray:

@@ -28,7 +28,7 @@ from roughcontact.report.groups import (
     shown_comparisons,
     surfaces_in_words,
 )
-from roughcontact.report.load_plots import compare_areas, line_sample, spread_of_areas
+from roughcontact.report.load_plots import compare_areas, line_sample
 from roughcontact.report.summary import read_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import interval_values, unit_of
@@ -151,7 +151,8 @@ def write_report(
         surfaces=len(by_surface),
         cases_of_run=[*filter(None, dict.fromkeys(cases))],
         which_load=_which_load(indices, results),
-        comparisons=_comparisons(series, styles, bool(group_of_surface), large=has_index),
+        # of so many that an index stands for them, lines over one another tell nothing
+        comparisons=[] if has_index else _comparisons(series, styles, bool(group_of_surface)),
         cases=_cases(by_surface, large=has_index, equal_loads=equal),
         courses=[row["courses"] for row in rows],
         parts=[]
@@ -210,31 +211,21 @@ def _as_download(text: str) -> str:
 
 
 def _comparisons(
-    series: Mapping[Key, xr.Dataset], styles: Mapping[Key, tuple[int, int]], has_groups: bool, *, large: bool
+    series: Mapping[Key, xr.Dataset], styles: Mapping[Key, tuple[int, int]], has_groups: bool
 ) -> list[tuple[str, str]]:
     """Return (image, caption) of area against load of all rough surfaces: in Pa, and relative to E* g.
 
     `styles` is of `_line_styles`, `has_groups` whether there are groups of maps.
     """
     rough = {key: data for key, data in series.items() if np.isfinite(data["relative_pressure"]).all()}
-    half_spaces = {key: data for key, data in rough.items() if facts_of_numbers(data).scaled_columns}
     # the panel of a single surface has the same
-    if len(rough) < 2 or (large and not half_spaces):
+    if len(rough) < 2:
         return []
+    half_spaces = {key: data for key, data in rough.items() if facts_of_numbers(data).scaled_columns}
     in_these_units = (
         "Over the pressure relative to E* times the rms gradient rough surfaces fall close together; the "
         "dark lines without marks are theories, in which the rms gradient alone stands for the surface."
     )
-    if large:
-        groups: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
-        for (_, case), data in half_spaces.items():
-            line = data["relative_pressure"].values, data[AREA].values
-            groups.setdefault(case or "", []).append(line)
-        statements = f"Each surface is a faint line. {in_these_units}"
-        return [
-            (image, f"The same under {case}." if index else statements)
-            for index, (case, image) in enumerate(spread_of_areas(groups).items())
-        ]
     # that of the stiffest, where the cases differ in it
     pressure = min((unit_of(data, "Pa") for data in rough.values()), key=lambda unit: unit.factor)
     available = all(f"{AREA}_lower" in data for data in rough.values())

@@ -21,6 +21,7 @@ from roughcontact.report.glance import (
     NOT_JUDGED,
     answer_line,
     glance_rows,
+    main_doubt,
     outcome_of,
     usable_loads,
     verdict_on_asked,
@@ -81,6 +82,7 @@ def write_panel(
     verdict = outcome.worst_result(checks_of(numbers.isel(load=indices)) if are_planned else all_checks)
     verdict = verdict_on_asked(numbers, indices, verdict)
     doubts = outcome.sort_by_importance(outcome.not_passed(all_checks))
+    reason = main_doubt(numbers, doubts)
     available = facts.surface_facts(measured_map, plane, window_map, numbers)
     maps = _maps(measured_map, plane, window_map, numbers, counter_faces)
     if overview is not None:
@@ -132,7 +134,7 @@ def write_panel(
             "verdict": verdict,
             "reasons": [outcome.reason_text(check) for check in doubts],
             "doubts": [str(check.name) for check in doubts],
-            "main_reason": outcome.reason_text(doubts[0], letters=_LINE) if doubts else "",
+            "main_reason": outcome.reason_text(reason, letters=_LINE) if reason else "",
             "halve": str(numbers.attrs.get("halve", "")),
             "halved": str(numbers.attrs.get("halved", "")),
             "places": str(numbers.attrs.get("places", "")),

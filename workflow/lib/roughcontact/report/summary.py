@@ -18,7 +18,7 @@ class Summary(TypedDict):
     verdict: str  # a key of `outcome.VERDICTS`
     reasons: list[str]  # of each check that did not pass, the most important first
     doubts: list[str]  # the names of these checks
-    main_reason: str  # the first reason, in one line of the table
+    main_reason: str  # the first reason that concerns what is asked, in one line of the table
     halve: str  # what would halve the ± of what is asked for; empty where there is none
     halved: str  # whose ± that is: "leak"
     places: str  # how many make it known to ± 10 %; empty where it is

@@ -157,7 +157,7 @@ def is_unbounded(numbers: xr.Dataset, name: str) -> bool:
 
 def lacks_interval(numbers: Numbers, name: str) -> bool:
     """Return whether a number follows from others that have an interval, and has none itself."""
-    derived = name.endswith(("conductance", "_resistance"))
+    derived = name.endswith(("conductance", "_resistance", "flash_temperature"))
     return derived and not has_number(numbers, f"{name}_lower") and has_number(numbers, f"{AREA}_lower")
 
 
