@@ -209,6 +209,21 @@ def test_a_load_below_that_of_the_fluid_is_no_load_from_which_on_it_holds():
     assert [found[f"leak_holds_from{end}"].item() for end in ("", "_lower", "_upper")] == [1e6, 2e5, 1e6]
 
 
+@pytest.mark.parametrize(
+    ("text", "value"), [("5 mΩ cm²", 5e-7), ("5 mOhm cm2", 5e-7), ("20 µΩ·cm²", 2e-9), ("3 mOhm mm2", 3e-9)]
+)
+def test_a_specific_contact_resistance_is_stated_as_those_of_fuel_cells_are(text, value):
+    problem = {"contact": {"bodies": ["steel", "copper"], "mean_pressure": "1 MPa"}}
+    (settings,) = resolve(problem | {"statistics": {"requirement": {"contact_resistance": text}}}).values()
+    assert settings["statistics"]["requirement"]["contact_resistance"] == pytest.approx(value)
+
+
+def test_a_leak_in_units_of_a_leak_detector_is_told_how_to_become_a_volume():
+    """1 mbar l/s is 1 l/s at 1 mbar: which volume it is depends on the pressure behind the seal."""
+    with pytest.raises(SettingsError, match="mbar l/s over mbar there"):
+        resolve({"statistics": {"seal": {"allowed_leak": "1e-3 mbar l/s"}}})
+
+
 def numbers_of(holds, crossing, lower, upper):
     columns = {"mean_pressure": [1e6, 5e6], "leak_holds": [holds, holds]}
     ends = dict(zip(("", "_lower", "_upper"), (crossing, lower, upper), strict=True))

@@ -27,10 +27,10 @@ _QUANTITIES = {
     "m2 s-1": ("diffusivity", "m2/s, cm2/s, mm2/s"),
     "s": ("time", "µs, ms, s, min, h, d, years"),
     "s-1": ("frequency", "mHz, Hz, kHz, MHz, rad/s"),
-    "m3 s-1": ("leak", "ml/h, ml/min, l/h, mm3/s, m3/s"),
+    "m3 s-1": ("leak", "ml/h, ml/min, l/h, mm3/s, m3/s, of a gas behind the seal: mbar l/s over mbar there"),
     "Ohm": ("resistance", "uOhm, mOhm, Ohm, kOhm"),
     "m2 K W-1": ("thermal resistance times area", "m2 K/W, mm2 K/W"),
-    "Ohm m2": ("specific contact resistance", "Ohm m2, Ohm cm2, mOhm mm2, uOhm mm2"),
+    "Ohm m2": ("specific contact resistance", "Ohm m2, Ohm cm2, mOhm cm2, mOhm mm2, uOhm mm2"),
     "K": ("temperature difference", "mK, K"),
     "W": ("heat flow", "mW, W, kW"),
 }
