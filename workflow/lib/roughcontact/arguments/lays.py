@@ -3,13 +3,9 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-import xarray as xr
-
 from roughcontact.arguments.checking import check_choice
 from roughcontact.arguments.choices import Lay
-from roughcontact.arguments.maps import dimensions
-from roughcontact.arguments.quantities import counted_noun
-from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.errors import SettingsError
 
 ACROSS, ISOTROPIC, BOTH = "across", "none", "both"
 
@@ -63,41 +59,3 @@ def check_lay(lay: object) -> None:
     if facts.refusal:
         raise SettingsError(facts.refusal, keys=["lay"])
     check_choice("lay", lay, Lay)
-
-
-def are_lines(height: xr.DataArray) -> bool:
-    """Return whether the rows of a map (y, x) are profiles, no surface behind them and no areal map."""
-    is_window = "window_reason" in height.attrs
-    return dimensions(height.shape) == 1 or (lay_facts(height.attrs).has_surface_behind and not is_window)
-
-
-def have_lines(height: xr.DataArray) -> bool:
-    """Return whether the rows of an array are profiles, one or several."""
-    return dimensions(height.shape) == 1 or "profiles" in height.attrs
-
-
-def check_lines(height: xr.DataArray) -> None:
-    """Raise HeightMapError for an areal map with a lay, which profiles have."""
-    lay = height.attrs.get("lay")
-    if lay and not have_lines(height):
-        points = f"{height.shape[1]} x {height.shape[0]}"
-        raise HeightMapError(
-            f"lay = {lay}: is of profiles, and this is a map of {points} points; leave it out"
-        )
-
-
-def check_single_map(height: xr.DataArray) -> None:
-    """Raise an error for a map with a lay, which profiles have, and for profiles without a surface behind."""
-    check_lines(height)
-    if height.attrs.get("profiles", 1) > 1:
-        lay = height.attrs.get("lay", "not stated")
-        raise HeightMapError(
-            f"lay = {lay}: several profiles have one answer where lay = none, or with others "
-            "along the lay; name these as well, or one profile"
-        )
-
-
-def ensemble_in_words(synthetic: xr.DataArray | xr.Dataset) -> str:
-    """Return the surfaces of which a synthetic one, or its statistics, is an example; else nothing."""
-    attrs = synthetic.attrs
-    return lay_facts(attrs).ensemble.format(profiles=counted_noun(attrs.get("profiles", 1), "profile"))

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.lays import are_lines, ensemble_in_words
 from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.measurement import Instrument, json_attribute
+from roughcontact.arguments.profiles import are_lines, ensemble_in_words
 from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
 from roughcontact.arguments.variables import values_at_load
 from roughcontact.io.metadata import labelled

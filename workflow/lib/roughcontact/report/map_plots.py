@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.lays import are_lines
 from roughcontact.arguments.maps import dimensions, side_lengths
+from roughcontact.arguments.profiles import are_lines
 from roughcontact.arguments.quantities import Unit
 from roughcontact.report.charts import COLOURS, Axis, Chart
 from roughcontact.report.colours import colour_scale, coloured

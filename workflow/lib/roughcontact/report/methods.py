@@ -7,8 +7,8 @@ import xarray as xr
 
 from roughcontact.arguments.answers import AREA, GAP, PRESSURE, UNITS
 from roughcontact.arguments.kinds import facts_of
-from roughcontact.arguments.lays import ensemble_in_words
 from roughcontact.arguments.measurement import json_attribute
+from roughcontact.arguments.profiles import ensemble_in_words
 from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.stacks import properties_of_bodies
 from roughcontact.report.asked import bodies_in_words

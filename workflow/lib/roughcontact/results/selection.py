@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from xarray.indexes import PandasIndex
 
 from roughcontact.errors import InputFileError
 from roughcontact.results.storage import read_dataset
 
 # what `Index.sel` returns: the type has no public name, so that one of xarray's own indexes is asked
-_Selection: Any = type(xr.indexes.PandasIndex([0.0], "load").sel({"load": 0.0}))
+_Selection: Any = type(PandasIndex([0.0], "load").sel({"load": 0.0}))
 
 
 def read_statistics(path: str | Path) -> xr.Dataset:

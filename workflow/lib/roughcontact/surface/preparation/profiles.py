@@ -6,7 +6,8 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.arguments.kinds import facts_of_settings
-from roughcontact.arguments.lays import ensemble_in_words, lay_facts
+from roughcontact.arguments.lays import lay_facts
+from roughcontact.arguments.profiles import ensemble_in_words
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.surface.preparation.periodic_map import MapPreparation, Settings
 from roughcontact.surface.profiles.surface import levelled_profiles, surface_from_profiles

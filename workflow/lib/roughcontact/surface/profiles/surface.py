@@ -8,9 +8,10 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.checking import check_labelled, check_positive
-from roughcontact.arguments.lays import BOTH, ISOTROPIC, check_lay, check_lines, have_lines, lay_facts
+from roughcontact.arguments.lays import BOTH, ISOTROPIC, check_lay, lay_facts
 from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.arguments.measurement import json_attributes
+from roughcontact.arguments.profiles import check_lines, have_lines
 from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.arguments.si import as_si, labelled_in_si
 from roughcontact.errors import HeightMapError, SettingsError
