@@ -310,6 +310,7 @@ def test_copies_are_no_further_maps_of_a_group():
     # the numbers of another map may meet them at a load
     maps[2] = of_map(1.0, 0.29)
     assert rc.group_statistics(maps, names=["a", "b", "c"]).sizes["map"] == 3
+    assert rc.group_statistics(maps)["map"].values.tolist() == ["1", "2", "3"]
     # two placements of a face on a smooth one are no copies
     assert rc.group_statistics([maps[0]] * 2, placements=True).sizes["map"] == 2
 

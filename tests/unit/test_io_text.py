@@ -85,6 +85,9 @@ def headed_points(heading):
 def test_units_of_points(read):
     holds(read(headed_points("x (µm),y (micron),z (nm)")), 1e-9 * HEIGHTS, 1e-6, 2e-6)
     holds(read(headed_points("x (µm),y (mm),z (nm)")), 1e-9 * HEIGHTS, 1e-6, 2e-3)
+    # of inches in a row of their own, "in" is a unit between blanks and no word between a name and its unit
+    inches = read("x y z\nin in in\n" + cells(points(HEIGHTS, dy=2), " "))
+    holds(inches, 0.0254 * HEIGHTS, 0.0254, 0.0508)
 
 
 @pytest.mark.parametrize(("name", "doubted"), [("Depth", True), ("z", False)])

@@ -443,6 +443,7 @@ def test_a_heading_that_contradicts_the_positions_is_said(read):
     warnings = warnings_of(read(f"dx: 2 µm\nx (µm);z (nm)\n{TRACE}"))
     assert "line 1 says 'dx: 2 µm'" in warnings
     assert "the positions are used" in warnings
+    assert "the positions" not in warnings_of(read(f"dx: 500 nm\nx (µm);z (nm)\n{TRACE}"))  # the same step
 
 
 @pytest.mark.parametrize(

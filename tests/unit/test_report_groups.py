@@ -1,5 +1,7 @@
 """Groups on the page: cells, pictures and comparisons in words."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -12,6 +14,7 @@ from roughcontact.report.groups import (
     HEADINGS,
     _comparison,
     comparison_rows,
+    differences_in_words,
     group_picture,
     group_rows,
     surfaces_in_words,
@@ -93,6 +96,8 @@ def test_placements_and_differences_in_words():
     )
     low, high = (float(bound) for bound in row["cells"][0].details.split(" to "))
     assert low < float(row["cells"][0].text) < high
+    # two loads with the same answer have it once
+    assert re.fullmatch(r"Contact area, ground against lapped: [^;]*\.", differences_in_words(compared))
 
 
 def test_a_case_with_a_single_map_left_does_not_hide_the_differences_of_the_others():
