@@ -314,9 +314,10 @@ def test_the_next_map_of_a_group_scatters_as_maps_do_and_not_as_the_means_of_the
     loads = {"mean_pressure": ("load", [1e6])}
     gaps, means = (0.5, 1.0, 2.0), (0.99, 1.0, 1.01)
     plain = rc.group_statistics([xr.Dataset({GAP: ("load", [gap]), **loads}) for gap in gaps])
+    unbounded = {f"{GAP}_alone_{end}": ("load", [np.nan]) for end in ("lower", "upper")}
     shown = rc.group_statistics(
         [
-            xr.Dataset({GAP: ("load", [mean]), f"{GAP}_alone": ("load", [gap]), **loads})
+            xr.Dataset({GAP: ("load", [mean]), f"{GAP}_alone": ("load", [gap]), **unbounded, **loads})
             for mean, gap in zip(means, gaps, strict=True)
         ]
     )

@@ -306,20 +306,13 @@ def _of_map_alone(name: str, dataset: xr.Dataset, loads: np.ndarray) -> tuple[np
     """Return a quantity of a map on its scale, and its half-width by the window, without its overviews."""
     value, components = scaled_at(name, dataset, loads)
     half_width = components[:, SOURCES.index("window"), :2].mean(axis=1)
-    numbers = [dataset.get(f"{name}_{ALONE}{suffix}") for suffix in ENDS]
-    # NaN of a map beside others with an overview
-    if numbers[0] is None or numbers[0].isnull().all():
+    if f"{name}_{ALONE}" not in dataset:
         return value, half_width
-    unknown = np.full(dataset["mean_pressure"].shape, np.nan)
-    middle, *bounds = (
-        interpolated(
-            dataset["mean_pressure"].values,
-            loads,
-            to_scale(name, unknown if each is None else each.values),
-        )
-        for each in numbers
-    )
-    return np.where(np.isnan(middle), value, middle), (bounds[1] - bounds[0]) / 2
+    columns = (to_scale(name, dataset[f"{name}_{ALONE}{suffix}"].values) for suffix in ENDS)
+    own_loads = dataset["mean_pressure"].values
+    alone, lower, upper = (interpolated(own_loads, loads, column) for column in columns)
+    is_known = np.isfinite(alone)  # NaN of a map beside others with an overview
+    return np.where(is_known, alone, value), np.where(is_known, (upper - lower) / 2, half_width)
 
 
 def scaled_components(
