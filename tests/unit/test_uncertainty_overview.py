@@ -76,6 +76,13 @@ def test_what_this_map_gives_by_itself_stays_in_the_result(answers):
     assert both["mean_gap_as_solved"].values == pytest.approx(alone["mean_gap_as_solved"].values)
 
 
+def test_further_places_are_promised_to_narrow_it_with_overviews_of_their_own(answers):
+    for each, has_overview in zip(answers, (False, True), strict=True):
+        assert "more place" in each.attrs["halve"]
+        for words in (each.attrs["halve"], each.attrs["places"]):
+            assert ("of this size, each with its overview" in words) == has_overview
+
+
 def test_stiffness_and_conductance_stay_one_number(answers):
     for each in answers:
         ratio = each["contact_stiffness"] / each["conductance_per_conductivity"]

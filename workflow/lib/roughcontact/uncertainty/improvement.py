@@ -15,7 +15,7 @@ from roughcontact.arguments.quantities import Unit, counted_noun, percent, quant
 from roughcontact.arguments.variables import names_asked
 from roughcontact.statistics.outcome import CheckName
 from roughcontact.statistics.precision import precision_in_words, relative_half_width
-from roughcontact.uncertainty.calibration import scatter_between_maps, table
+from roughcontact.uncertainty.calibration import ALONE, scatter_between_maps, table
 from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, from_scale, to_scale
@@ -77,12 +77,17 @@ def planning_line(statistics: xr.Dataset) -> str:
     shared_error = math.hypot(*widths.values())
     of_windows = _half_widths_of_places(of_window, subject)
     if places := maps_for(_PLANNED, of_windows, shared_error, subject.name):
-        return f"{counted_noun(places, 'place')} of this size in all"
+        return f"{counted_noun(places, 'place')} {_of_which_size(statistics, subject.name)} in all"
     if shared_error >= _PLANNED:
         largest = max(widths, key=widths.__getitem__)
         width = f"is ± {percent(shared_error)}" if math.isfinite(shared_error) else "has no bound"
         return f"no number of places, the {largest} alone {width}"
-    return f"more than {_MAX_MAPS} places of this size"
+    return f"more than {_MAX_MAPS} places {_of_which_size(statistics, subject.name)}"
+
+
+def _of_which_size(statistics: xr.Dataset, name: str) -> str:
+    """Return what further places have to be, by what made the interval of a number as narrow as it is."""
+    return f"of this size{', each with its overview' if f'{name}_{ALONE}' in statistics else ''}"
 
 
 def add_halving(statistics: xr.Dataset, *, overview: bool = False) -> xr.Dataset:
@@ -136,7 +141,8 @@ def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
         return "; ".join([*first_steps, _LONGER_FIELD])
     if "window" in widths:
         shared_error = math.hypot(*(width for source, width in widths.items() if source != "window"))
-        advice["window"] = _more_places(subject, shared_error, _half_widths_of_places(of_window, subject))
+        size, of_places = _of_which_size(statistics, subject.name), _half_widths_of_places(of_window, subject)
+        advice["window"] = _more_places(subject, shared_error, of_places, size)
         if overview and subject.name == AREA and f"{AREA}_alone_lower" not in statistics:
             promised = math.hypot(
                 shared_error, _by_the_bank(table()["overview_promise"], of_window, subject.value)
@@ -234,8 +240,8 @@ def _subject_at_load(at_load: xr.Dataset, name: str) -> _Subject:
     return _Subject(name, value, power * float(relative_half_width(value, lower, upper)), by_source)
 
 
-def _more_places(subject: _Subject, shared_error: float, of_windows: Sequence[float]) -> str:
-    """Return how many more maps of this size halve the interval."""
+def _more_places(subject: _Subject, shared_error: float, of_windows: Sequence[float], size: str) -> str:
+    """Return how many more maps of a size (in words) halve the interval."""
     target = subject.half_width / 2
     if shared_error >= target:
         target = math.hypot(shared_error, of_windows[0] / 2)
@@ -244,4 +250,4 @@ def _more_places(subject: _Subject, shared_error: float, of_windows: Sequence[fl
         return "measure more places"
     half_width = half_width_of_mean(of_windows, maps, shared_error, subject.name)
     text = f" (their mean: to about ± {percent(half_width)})" if half_width < 1 else ""
-    return f"measure {counted_noun(maps - 1, 'more place')} of this size{text}"
+    return f"measure {counted_noun(maps - 1, 'more place')} {size}{text}"
