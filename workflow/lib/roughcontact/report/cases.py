@@ -106,7 +106,7 @@ def _table(
     return {
         "cases": names,
         "load": "load" if any("force" in data for data in all_cases[0].values()) else "mean pressure",
-        "differences": [f"{case} against {reference_loads}" for reference_loads, case in pairs],
+        "differences": [f"{case} against {reference}" for reference, case in pairs],
         "groups": groups,
         "apart": _disjoint_loads_in_words(all_cases[0], disjoint, all_pairs=not pairs) if disjoint else "",
         "surfaces": len(all_cases),

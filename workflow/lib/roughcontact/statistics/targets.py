@@ -65,8 +65,8 @@ def target_loads(
     crossing = partial(_crossing, lower_limit=_MIN_LOAD * unit / window.size, limit=hardness)
 
     def area_excess(target_value: float, load: float) -> float:
-        # logarithms, in which area and load are nearly in proportion
         """Return by how much the area exceeds the wanted one, in the logarithm."""
+        # in logarithms area and load are nearly in proportion
         return math.log(relative_contact_area(state(load)[0] > 0) / target_value)
 
     def gap_excess(target_value: float, load: float) -> float:
