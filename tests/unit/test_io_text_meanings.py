@@ -214,6 +214,11 @@ def test_what_turns_or_scales_a_map_is_said_in_five_languages(read, lines, check
         assert f"line 4 says {line!r}, which is not used: check {check}" in warnings
 
 
+def test_half_of_a_profile_is_no_whole_one(refused):
+    text = "x [mm];z [nm]\n" + "".join(f"{n};{z}\n" for n, z in enumerate(ONE[0]))
+    refused(f"Number of points: 20\n{text}", "the file says 20 points, the table has 10 rows of 2 numbers")
+
+
 def test_words_of_validity_do_not_hide_a_marker(read, refused):
     table = ONE.copy()
     table[2:4, 3] = -2500

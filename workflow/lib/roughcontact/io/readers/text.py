@@ -418,7 +418,8 @@ def _refuse_cut_table(shape: tuple[int, ...], counts: list[int]) -> None:
             "each row of the map into one line"
         )
     if len(counts) == 1:
-        is_whole = total <= rows or total in (columns, rows * columns)
+        # two or three columns are positions and heights, of which half may be lost
+        is_whole = total <= rows or total == columns or (columns > 3 and total == rows * columns)
     if counts and not is_whole:
         listing = " and ".join(f"{count:g}" for count in counts)
         raise InputFileError(
