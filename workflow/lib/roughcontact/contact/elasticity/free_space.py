@@ -124,9 +124,12 @@ def love(shape: tuple[int, ...], spacing: tuple[float, float]) -> np.ndarray:
 def _cut_off(last: float) -> "CubicSpline":
     """Return the factor of 2/|q| as a function of |q| reach up to `last`."""
     from scipy.interpolate import CubicSpline
-    from scipy.special import itj0y0, j1
+    from scipy.special import j0, j1, struve
 
     z: np.ndarray = np.arange(_STEP, last + 2 * _STEP, _STEP)
     limits = np.outer([1.0, FADE], z)
-    start, upper_integral = limits * itj0y0(limits)[0] - limits * j1(limits)  # the integral of F from 0
+    # the integral of J0 by Struve functions (DLMF 10.22.2): `itj0y0` is wrong above 20 before SciPy 1.17
+    of_j0 = limits * j0(limits)
+    of_j0 += np.pi / 2 * limits * (j1(limits) * struve(0, limits) - j0(limits) * struve(1, limits))
+    start, upper_integral = limits * of_j0 - limits * j1(limits)  # the integral of F from 0
     return CubicSpline(np.append(0.0, z), np.append(0.0, (upper_integral - start) / ((FADE - 1) * z)))
