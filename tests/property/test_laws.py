@@ -105,7 +105,6 @@ NO_NUMBER |= {
     "surface_name",
     "case",
     "case_name",
-    "index_of_the_peak",
 }
 NO_NUMBER |= {"group", "group_name", "map", "map_name", "part", "maps", "stands_off"}
 # of datasets that no statistics have: finite bodies, unloading, partial slip, tables over the gap

@@ -216,3 +216,29 @@ def test_the_load_of_a_target_has_what_was_asked_for(stack):
     opened = [lighter[f"gap_percolates_{axis}"].values for axis in "xy"]
     closed = [result[f"gap_percolates_{axis}"].values[closing] for axis in "xy"]
     assert (np.subtract(opened, closed).max(axis=0) == 1).all()  # each load closes an axis
+
+
+@pytest.mark.parametrize("contact", [{}, {"hardness": 5e7}, {"boundary": "free"}])
+@pytest.mark.parametrize("alone", [[0.01], [0.02, 0.4]])
+def test_the_answer_at_a_load_depends_on_no_other_load(contact, alone):
+    """The corrected results with their correction, in a list of eight loads and by themselves."""
+    loads = np.array([0.4, 0.003, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3])
+    unit = 5e7 if contact else 1.0
+    key = "force" if "boundary" in contact else "mean_pressure" if contact else "relative_pressure"
+    unit *= 1e-10 if key == "force" else 1.0
+    height = rough((144, 160))
+    few, many = (
+        evaluated(
+            contact | {"contact_modulus": 1e9, key: (unit * np.array(values)).tolist()},
+            height=height,
+            sources=["solver", "discretisation"],
+            form={"radius": [2e-3]} if key == "force" else {},
+        )
+        for values in (alone, loads)
+    )
+    same = [int(np.flatnonzero(loads == load)[0]) for load in alone]
+    assert "relative_contact_area_as_solved" in few
+    for name in ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure"):
+        for suffix in ("", "_as_solved", "_estimate"):
+            actual, expected = few[f"{name}{suffix}"], many[f"{name}{suffix}"].isel(load=same)
+            np.testing.assert_allclose(actual, expected, rtol=1e-9, err_msg=name + suffix)

@@ -21,11 +21,11 @@ def corrected(window, loads, names=NAMES):
     """Return the results on their scales, the corrections and the half-widths, by quantity."""
     contact = {"contact_modulus": 1.0, "mean_pressure": loads, "tolerance": 1e-6}
     solved = solve_contact(window, **contact)
-    inputs, peak = budget_inputs(solved), int(solved["pressure"][-1].values.argmax())
+    inputs = budget_inputs(solved)
     values = {name: inputs[name].values for name in NAMES}
     share = (solved["pressure"].values > 0).mean((1, 2))
     result = Result(window, contact, values)
-    correction, width = discretisation_error(result, pixel_share=share, peak_index=peak)
+    correction, width = discretisation_error(result, pixel_share=share)
     return {name: (to_scale(name, values[name]), correction[name], width[name][1]) for name in names}
 
 
@@ -61,7 +61,7 @@ def test_an_error_by_the_square_of_the_pixel_is_taken_off():
 
 def test_a_part_of_a_profile_has_so_many_points_along_it():
     profile = self_affine((1, 4096), 1.0, (8.0, 64.0), rms_gradient=0.1)
-    assert discretisation.part_around(profile, 100, 1024).shape == (1, 1024)
+    assert discretisation.highest_part(profile, 1024).shape == (1, 1024)
 
 
 @pytest.mark.parametrize("height", [0.1, 1.0, 4.0])
@@ -94,12 +94,12 @@ def test_narrowest_places_are_not_corrected_and_what_is_flat_has_nothing_to_corr
     flat = height_map(np.zeros((32, 32)), 1.0)
     contact = {"contact_modulus": 1.0, "mean_pressure": [1.0]}
     values = {AREA: np.ones(1), GAP: np.zeros(1), PEAK: np.ones(1), CONSTRICTIONS[0]: np.zeros(1)}
-    correction, _ = discretisation_error(Result(flat, contact, values), pixel_share=np.ones(1), peak_index=0)
+    correction, _ = discretisation_error(Result(flat, contact, values), pixel_share=np.ones(1))
     assert [correction[name].item() for name in values] == pytest.approx([0.0] * 4, abs=1e-6)
     rough = synthetic.rough_reference_surface(48)
     values = {AREA: np.full(1, 0.3), GAP: np.full(1, 0.1), CONSTRICTIONS[0]: np.full(1, 0.1)}
     correction, components = discretisation_error(
-        Result(rough, contact | {"mean_pressure": [0.05]}, values), pixel_share=np.full(1, 0.32), peak_index=0
+        Result(rough, contact | {"mean_pressure": [0.05]}, values), pixel_share=np.full(1, 0.32)
     )
     width = components[CONSTRICTIONS[0]][1].item()
     assert correction[CONSTRICTIONS[0]].item() == 0 < width
@@ -107,20 +107,19 @@ def test_narrowest_places_are_not_corrected_and_what_is_flat_has_nothing_to_corr
     low = rough * 1e-6
     small = {name: values[name] * (1 if name == AREA else 1e-6) for name in values}
     problem = contact | {"mean_pressure": [0.05e-6]}
-    _, components = discretisation_error(
-        Result(low, problem, small), pixel_share=np.full(1, 0.32), peak_index=0
-    )
+    _, components = discretisation_error(Result(low, problem, small), pixel_share=np.full(1, 0.32))
     assert components[CONSTRICTIONS[0]][1].item() == pytest.approx(1e-6 * width, rel=1e-3)
 
 
-def test_the_part_of_a_large_window_surrounds_the_peak():
+def test_the_part_of_a_large_window_surrounds_its_highest_point():
     window = self_affine((256, 300), 1.0, (8.0, 64.0), rms_gradient=0.5, seed=1)
-    part, _ = discretisation.periodic_interpolant(window, 5 * 300 + 299)  # across both seams of the period
+    window[5, 299] = window.max() + 1e-3  # the part lies across both seams of the period
+    part, _ = discretisation.periodic_interpolant(window)
     assert part.shape == (128, 150)
     around = np.roll(window.values, (64 - 5, 75 - 299), (0, 1))[:128, :150]
     inside = (slice(20, -20), slice(20, -20))  # the seams are blended
     assert np.corrcoef(part.values[inside].ravel(), around[inside].ravel())[0, 1] > 0.9
-    assert discretisation.periodic_interpolant(window[:128, :128], 0)[0].shape == (128, 128)
+    assert discretisation.periodic_interpolant(window[:128, :128])[0].shape == (128, 128)
 
 
 def test_the_edge_of_the_contact_lies_by_chance_in_its_pixels():

@@ -293,8 +293,7 @@ def test_a_part_shows_what_short_waves_change_of_a_large_window(monkeypatch):
     window = self_affine((320, 320), 1e-6, (4e-6, 32e-6), hurst=0.8, rms_gradient=0.1, seed=2)
     pressures = loads(window, 0.05, 0.3)
     solved = solve_contact(window, contact_modulus=MODULUS, mean_pressure=pressures, reduce=budget_inputs)
-    # the part lies around the highest pressure, which `solved` tells
-    result = result_of(window, pressures, solved, (AREA, GAP, PEAK))._replace(solved=solved)
+    result = result_of(window, pressures, solved, (AREA, GAP, PEAK))
     whole = unresolved.magnification_curve(result)
     monkeypatch.setattr(unresolved, "_LARGEST_GRID", 200**2)  # between the first entry and the second
     monkeypatch.setattr(unresolved, "LARGEST_PART", 160**2)

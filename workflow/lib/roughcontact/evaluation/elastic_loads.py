@@ -31,9 +31,7 @@ def elastic_loads(window: xr.DataArray, loads: Sequence[float], contact: Mapping
     pressure = np.array(loads, float)
     lenient = {**contact, "mean_pressure": pressure, "on_failure": "flag"}
     values = solve_member(window, lenient, names=[AREA])
-    correction, _ = discretisation_error(
-        Result(window, lenient, values), pixel_share=values[AREA], peak_index=int(window.values.argmax())
-    )
+    correction, _ = discretisation_error(Result(window, lenient, values), pixel_share=values[AREA])
     area = from_scale(AREA, to_scale(AREA, values[AREA]) + correction[AREA])
     excess = np.log(pressure / area / (MAX_HARDNESS * modulus))
     elastic = np.flatnonzero(excess < math.log(_MARGIN[0]))

@@ -87,8 +87,7 @@ def error_budget(
     scatter_of : callable, optional
         what the source `window` is made of, with the arguments of `scatter_of_subwindows`.
     refine : callable, optional
-        what the source `discretisation` solves: window, index of its highest pressure -> a part of it around
-        there, and the same on pixels half as large.
+        what the source `discretisation` solves: window -> a part of it, and the same on pixels half as large.
 
     Returns
     -------
@@ -137,9 +136,7 @@ def error_budget(
         return xr.Dataset(columns, {"mean_pressure": ("load", load)})
     solved = solve_contact(window, **contact, reduce=budget_inputs) if solved is None else solved
     as_solved = {name: solved[name].values for name in headline_names(solved)}
-    result = Result(
-        window, lenient, {name: as_solved[name] for name in as_solved if name != PRESSURE}, solved=solved
-    )
+    result = Result(window, lenient, {name: as_solved[name] for name in as_solved if name != PRESSURE})
     middle = {name: to_scale(name, value) for name, value in result.values.items()}
     components: dict[UncertaintySource, Components] = {}
     scatter: Scatter | None = None
@@ -149,10 +146,7 @@ def error_budget(
         components["solver"] = solver_components(solved)
     if "discretisation" in sources:
         correction, components["discretisation"] = discretisation_error(
-            result,
-            pixel_share=load / as_solved[PRESSURE],
-            peak_index=result.peak_index(),
-            refine=refine,
+            result, pixel_share=load / as_solved[PRESSURE], refine=refine
         )
         middle = {name: centre + correction[name] for name, centre in middle.items()}
     if "window" in sources:

@@ -18,9 +18,9 @@ def budget_inputs(
 ) -> xr.Dataset:
     """Return what the error budget takes from a solution with its fields, along `load`.
 
-    Headline quantities and answers, `{name}_uncertainty` of the solver, `index_of_the_peak` (row by row), the
-    texture aspect ratio `Str` of the map, and `{name}_half_way`, the constrictions (m) of gap paths half as
-    long as the map, of the `constrictions_in_grooves`, here `grooves`.
+    Headline quantities and answers, `{name}_uncertainty` of the solver, the texture aspect ratio `Str` of the
+    map, and `{name}_half_way`, the constrictions (m) of gap paths half as long as the map, of the
+    `constrictions_in_grooves`, here `grooves`.
     """
     if statistics is None:
         statistics = contact_statistics(contact, flow="never", stress="never")
@@ -30,7 +30,6 @@ def budget_inputs(
     widths = solver_uncertainty(contact, energy=statistics["elastic_energy"].values)
     widths |= {APPROACH: widths[GAP]} if APPROACH in plain else {}  # one offset moves both
     plain |= {f"{name}_uncertainty": width for name, width in widths.items()}
-    plain["index_of_the_peak"] = np.array([pressure.argmax() for pressure, _ in iterate_fields(contact)])
     if grooves is None:
         grooves = constrictions_in_grooves(contact["height"])
     if grooves:

@@ -14,10 +14,10 @@ from roughcontact.contact.solve import elasticity
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.uncertainty.headline import headline_values
 from roughcontact.uncertainty.scales import (
+    ANSWERS,
     AREA,
     CONSTRICTIONS,
     GAP,
-    PEAK,
     extend_to_loads,
     from_scale,
     to_scale,
@@ -40,9 +40,13 @@ def solve_member(
     *,
     names: Collection[str],
     loads: np.ndarray | None = None,
+    answers_at: Collection[int] | None = None,
     tolerance: float = TOLERANCE,
 ) -> dict[str, np.ndarray]:
     """Return quantities of a window, each an array of the loads of the indices `loads`, by default all.
+
+    Conductance and narrowest places, which take longer than the solution, are computed at those `answers_at`
+    of these loads, by default all, and are NaN at others.
 
     The tolerance of the pressure is that of `contact` where this is wider; a load that misses it is NaN. A
     window whose heights are rounding errors only, after levelling, is solved as flat. `contact` may have a
@@ -59,9 +63,11 @@ def solve_member(
     solutions = solved_fields(window, contact, tolerance=tolerance, precision=SINGLE if single else DOUBLE)
     material, border = elasticity(**contact), facts_of(contact).border
     values = {name: np.full(pressures.shape, np.nan) for name in names}
+    without_answers = [name for name in names if name not in ANSWERS]
     for load, pressure, gap, approach in solutions:
+        names_here = names if answers_at is None or load in answers_at else without_answers
         numbers = headline_values(
-            pressure, gap, names, material, steps=steps, border=border, approach=highest - approach
+            pressure, gap, names_here, material, steps=steps, border=border, approach=highest - approach
         )
         for name, value in numbers.items():
             values[name][load] = value * (unit if name == AREA else 1.0)
@@ -87,7 +93,6 @@ class Result(NamedTuple):
     contact: Mapping[str, Any]  # arguments of `solve_contact`
     values: Values  # without the pressure in contact, which follows from the area
     solve: Callable[..., dict[str, np.ndarray]] = solve_member
-    solved: xr.Dataset | None = None  # `budget_inputs` of the window
 
     @property
     def load(self) -> np.ndarray:
@@ -108,21 +113,19 @@ class Result(NamedTuple):
         """The largest pressure (Pa) that a point bears."""
         return self.contact.get("hardness") or math.inf
 
-    def peak_index(self) -> int:
-        """Return the point of the highest pressure, row by row, under the heaviest load without plastic flow.
-
-        Of a window that is not solved it is the first one.
-        """
-        if self.solved is None:
-            return 0
-        # points that flow share the hardness: where they do under all loads, the lightest has the fewest
-        flows = self.solved[PEAK].values >= self.hardness
-        heaviest = np.where(flows, -self.load, self.load).argmax()
-        return int(self.solved["index_of_the_peak"].values[heaviest])
+    def at_few(self, numbers: np.ndarray) -> np.ndarray:
+        """Return numbers at the few loads from those at all loads; those at the few ones as they are."""
+        return numbers if len(numbers) == self.few.size else numbers[self.few]
 
     def extend_to_loads(self, numbers: np.ndarray) -> np.ndarray:
-        """Return numbers (load) from those at the few loads."""
-        return extend_to_loads(numbers, self.few, self.load)
+        """Return numbers (load) from those at the few loads; those at all loads as they are."""
+        is_of_all = len(numbers) == self.load.size
+        return numbers if is_of_all else extend_to_loads(numbers, self.few, self.load)
+
+    def solve_at_loads(self, window: xr.DataArray) -> dict[str, np.ndarray]:
+        """Return the results of another window at all loads, conductance and narrowest places at the few."""
+        values = self.solve(window, self.contact, names=self.values, answers_at=self.few)
+        return {name: self.at_few(value) if name in ANSWERS else value for name, value in values.items()}
 
     def solve_at_samples(self, window: xr.DataArray) -> dict[str, np.ndarray]:
         """Return the results of another window at the few loads."""
@@ -157,13 +160,13 @@ class Result(NamedTuple):
         return changes
 
     def changes_of_part(self, base: Values, variant: Values) -> dict[str, np.ndarray]:
-        """Return the changes (load) on the scales by those of a part of the window (few loads)."""
+        """Return the changes (load) on the scales by those of a part of the window (few loads, or all)."""
         changes = {}
         for name in base:
             change = to_scale(name, variant[name]) - to_scale(name, base[name])
             if name in CONSTRICTIONS:  # a length, as the gap beside it
                 with np.errstate(divide="ignore", invalid="ignore"):
-                    change = change * self.values[GAP][self.few] / base[GAP]
+                    change = change * self.values[GAP][self.few] / self.at_few(base[GAP])
             # full contact: nothing is open, nothing changes
             changes[name] = self.extend_to_loads(np.where(np.isfinite(change), change, 0.0))
         return changes

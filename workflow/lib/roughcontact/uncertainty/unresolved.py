@@ -27,7 +27,7 @@ from roughcontact.surface.window.band import is_limited_by_grid
 from roughcontact.surface.window.transfer import reliability_length, shortest_transmitted
 from roughcontact.uncertainty.calibration import entry, table
 from roughcontact.uncertainty.combination import Components, half_widths, one_sided
-from roughcontact.uncertainty.discretisation import LARGEST_PART, part_around
+from roughcontact.uncertainty.discretisation import LARGEST_PART, highest_part
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.scales import ANSWERS, AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, to_scale
 
@@ -107,7 +107,7 @@ def magnification_curve(result: Result) -> Columns:
     while side >= _MIN_WAVES_PER_SIDE * cutoff:
         is_large = math.prod(_points_without(window, cutoff)) > _LARGEST_GRID
         if is_large and of_part is None:
-            part = part_around(window, result.peak_index(), LARGEST_PART)
+            part = highest_part(window, LARGEST_PART)
             of_part, share = result.solve_at_samples(part), gradients[0] / rms_gradient(part)
         elif not is_large:
             part, of_part, share = window, None, 1.0

@@ -102,7 +102,7 @@ def scatter_of_positions(
     return Scatter(members, arms=dict.fromkeys(MEASURANDS, arms), reason=reason, of_positions=True)
 
 
-def halved_pixels(roughness: xr.DataArray, _: int) -> tuple[xr.DataArray, xr.DataArray]:
+def halved_pixels(roughness: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
     """Return a map that is not periodic, with its borders, and on pixels half as large, by cubic splines."""
     points = [np.arange(n) for n in roughness.shape]
     finer = [np.clip(np.arange(2 * n) / 2 - 0.25, 0, n - 1) for n in roughness.shape]
