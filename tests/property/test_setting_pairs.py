@@ -8,6 +8,7 @@ those of settings that exclude one another: five ways of stating a load, four of
 """
 
 import itertools
+import random
 import re
 import tempfile
 import warnings
@@ -543,7 +544,11 @@ def lawful(dataset):
 @pytest.mark.parametrize("number", NUMBERS)
 def test_another_system_of_units_gives_the_same_numbers(results, number):
     names = case_of(number)
-    reference = results(names)
+    check_units(names, results(names))
+
+
+def check_units(names, reference):
+    """Assert that the numbers of a case, in another system of units, are the same."""
     converted = evaluated(names, unit=LENGTHS, units=(LENGTHS, MODULI))
     # what is closed is so by the size of molecules and by a leak that counts as none, which no unit changes
     for name in set(lawful(reference)) - {"sealing_known"}:
@@ -597,7 +602,12 @@ def same_or_unknown(actual, expected, name):
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_the_numbers_of_a_transposed_map_are_transposed(number):
-    symmetric = tuple(name for name in case_of(number) if name not in BY_ROWS | BY_PLACES | ALONE)
+    check_transposed(case_of(number))
+
+
+def check_transposed(names):
+    """Assert that a case gives the transposed numbers of a transposed map."""
+    symmetric = tuple(name for name in names if name not in BY_ROWS | BY_PLACES | ALONE)
     extra = {"level": {"line_alignment": "none"}, "uncertainty": {"sources": []}}
     plain, transposed_result = (
         evaluated(symmetric, transposed=transposed, extra=extra).sortby(
@@ -616,8 +626,11 @@ def test_the_numbers_of_a_transposed_map_are_transposed(number):
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_what_is_stated_to_do_nothing_changes_nothing(number):
-    """Neither a neutral value, nor what is asked for besides."""
-    names = case_of(number)
+    check_neutral(case_of(number))
+
+
+def check_neutral(names):
+    """Assert that neither a neutral value changes a number, nor what is asked for besides."""
     adding = {name for name in names if SETTINGS[name].adds}
     adding |= {name for name in names if adding & {*SETTINGS[name].needs}}
     neutral = {name for name in names if SETTINGS[name].neutral is not None}
@@ -641,7 +654,11 @@ def test_what_is_stated_to_do_nothing_changes_nothing(number):
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_intervals_stay_within_what_is_possible(results, number):
-    numbers = results(case_of(number))
+    check_intervals(results(case_of(number)))
+
+
+def check_intervals(numbers):
+    """Assert that answers and their intervals are possible, and agree with one another."""
     span = 2 * float(np.nanmax(measured()) - np.nanmin(measured()))
     highest = {"relative_contact_area": 1.0, "mean_gap": span, "max_pressure": 1e12}
     for name in ("relative_contact_area", "mean_gap", "mean_contact_pressure", "max_pressure"):
@@ -655,3 +672,31 @@ def test_intervals_stay_within_what_is_possible(results, number):
     pressure = numbers["mean_contact_pressure_as_solved"]
     carried = pressure * numbers["relative_contact_area_pixels"]
     np.testing.assert_allclose(carried, numbers["mean_pressure"], rtol=1e-6)
+
+
+TRIPLES = [
+    pytest.param(number, marks=[pytest.mark.slow] * (number >= 24)) for number in range(500)
+]  # each a seed
+
+
+def random_triple(seed):
+    """Return three settings that are admitted together, with those that they need."""
+    choose = random.Random(seed)
+    while True:
+        triple = choose.sample([*SETTINGS], 3)
+        if not refusal(triple):
+            return complete(triple)
+
+
+@pytest.mark.parametrize("seed", TRIPLES)
+def test_three_settings_obey_the_laws_of_two(seed):
+    """In the cases of pairs many settings meet, and one may hide what another one changes."""
+    names = random_triple(seed)
+    numbers = evaluated(names)
+    check_intervals(numbers)
+    laws = (
+        lambda: check_units(names, numbers),
+        lambda: check_neutral(names),
+        lambda: check_transposed(names),
+    )
+    laws[seed % len(laws)]()

@@ -30,7 +30,7 @@ LARGEST_PART = 1024**2  # ... at most so many
 
 
 def periodic_interpolant(window: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
-    """Return a part of a periodic window around its highest point, and its Fourier series on pixels half as large."""
+    """Return the part of a periodic window around its highest point, and the same on pixels half as large."""
     points = max(_REFINED_POINTS, min(window.size / 4, LARGEST_PART))
     part = highest_part(window, points)
     return part, refined(part, 2)
