@@ -680,10 +680,15 @@ TRIPLES = [
 
 
 def random_triple(seed):
-    """Return three settings that are admitted together, with those that they need."""
+    """Return three settings that are admitted together, with those that they need.
+
+    A lens has the wavelength of its light, which by default is a length that no system of units changes.
+    """
     choose = random.Random(seed)
     while True:
         triple = choose.sample([*SETTINGS], 3)
+        if LENS in triple:
+            triple.append("instrument.wavelength")
         if not refusal(triple):
             return complete(triple)
 
