@@ -370,8 +370,8 @@ def _largest_cause(numbers: Numbers, name: str, index: int) -> str:
         return ""
     if f"{factor_name}_lower" in numbers:
         value, lower, upper = (float(numbers[f"{factor_name}{end}"]) for end in ENDS)
-        place = list(np.asarray(numbers["source"])).index(source)
-        width = float(numbers[f"{base}_uncertainty"][index][place]) / float(numbers[base][index])
+        row = list(np.asarray(numbers["source"])).index(source)
+        width = float(numbers[f"{base}_uncertainty"][index][row]) / float(numbers[base][index])
         if max(upper - value, value - lower) / value > width:
             return _in_words(factor_name)
     return source if source == "hardness" else ""

@@ -118,12 +118,12 @@ def _causes_of_parts(
     cut = levelled_parts(window)
     part, instrument = cut[0], stated_instrument(window, settings["instrument"])
     courses = [run(each) for each in cut]
-    on_part, *others = (on_scales(course, names) for course in courses)
+    on_part, *on_others = (on_scales(course, names) for course in courses)
     finer = on_scales(run(refined(part, 2)), names)
     causes = [components_of(symmetric, 2 * abs(finer - on_part))]
-    if others:
-        factor = float(student(np.array(float(len(others)))))
-        scatter = factor * xr.concat([on_part, *others], "part").std("part", ddof=1, skipna=False)
+    if on_others:
+        factor = float(student(np.array(float(len(on_others)))))
+        scatter = factor * xr.concat([on_part, *on_others], "part").std("part", ddof=1, skipna=False)
         # the largest pressure is that of one part, and scatters as in one; all others are means
         means = scatter.drop_vars(PEAK) / math.sqrt(len(courses))
         causes.append(components_of(symmetric, scatter[[PEAK]].merge(means)))
@@ -134,8 +134,8 @@ def _causes_of_parts(
 
     values = {name: courses[0][name].values for name in names}
     result = Result(part, {"mean_pressure": np.nan}, values, solve)
-    before = None if as_measured is None else levelled_parts(as_measured)[0]
-    causes += instrument_components(result, instrument, before, undone(part, instrument))[0]
+    measured_part = None if as_measured is None else levelled_parts(as_measured)[0]
+    causes += instrument_components(result, instrument, measured_part, undone(part, instrument))[0]
     for key in inputs:
         low, high = ends(1.0, settings["contact"].get(name_of_range(key)) or instrument.get(key))
         if low < high:
@@ -168,12 +168,12 @@ def _causes_of_places(
     pieces = [own, *(overview.isel(place) for place in windows_of_places(own.shape, overview))]
     windows = [subwindow(relevelled(piece, form_order(fine))) for piece in pieces]
     touching = rms_gradient(windows[0]) / rms_gradient(window)
-    of_map, *others = (
+    of_map, *of_places = (
         on_scales(run(piece, mean_pressure=touching), [name for name in names if name != PEAK])
         for piece in windows
     )
-    factor = float(student(np.array(len(others) - 1.0))) / math.sqrt(len(others))
-    changes = xr.concat(others, "place") - of_map
+    factor = float(student(np.array(len(of_places) - 1.0))) / math.sqrt(len(of_places))
+    changes = xr.concat(of_places, "place") - of_map
     return [
         components_of(one_sided, changes.mean("place", skipna=False)),
         components_of(symmetric, factor * changes.std("place", ddof=1, skipna=False)),

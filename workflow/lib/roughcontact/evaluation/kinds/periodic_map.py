@@ -88,8 +88,8 @@ class PeriodicMap(MapPreparation):
             return budget
         place = place_attributes(solution.overviews, solution.levelled)
         budget = budget.assign_attrs({f"overview_{name}": number for name, number in place.items()})
-        alone = budget.get(f"{AREA}_alone_lower")
-        if alone is not None and not np.array_equal(alone, budget[f"{AREA}_lower"]):
+        lower_alone = budget.get(f"{AREA}_alone_lower")
+        if lower_alone is not None and not np.array_equal(lower_alone, budget[f"{AREA}_lower"]):
             return budget
         flag = f"{budget.attrs.get('window_flag', '')} {_OVERVIEW_WITHOUT_EFFECT}".lstrip()
         return budget.assign_attrs(window_flag=flag)

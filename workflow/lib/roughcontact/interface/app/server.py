@@ -117,8 +117,8 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         Mount("/page", StaticFiles(directory=FOLDER)),
         Mount("/results", results),
     ]
-    guard_layer = Middleware(BaseHTTPMiddleware, dispatch=guard)
-    return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=[guard_layer])
+    middleware = [Middleware(BaseHTTPMiddleware, dispatch=guard)]
+    return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=middleware)
 
 
 def is_admitted(request: Request, path: Sequence[str], port: int) -> bool:

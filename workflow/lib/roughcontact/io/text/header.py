@@ -358,10 +358,10 @@ def _meaning(key: str) -> str | None:
     apart = re.sub(r"[\s_-]+|(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", key)
     name = apart.strip().strip('"').lower().removeprefix("1 ")  # "1 pixel = 0.4 µm"
     name = lower if (lower := key.strip().lower()) in _MEANING else name  # "dX"
-    found = _parts().findall(name[:_MAX_PHRASE])
-    if name in _MEANING or not found:
+    words = _parts().findall(name[:_MAX_PHRASE])
+    if name in _MEANING or not words:
         return _MEANING.get(name)
-    parts = {_PART[part] for part in found} - {"none"}
+    parts = {_PART[part] for part in words} - {"none"}
     bare_name = _parts().sub(lambda part: part[0] * (_PART[part[0]] != "none"), name[:_MAX_PHRASE])
     is_phrase = len(name) < _MAX_PHRASE and not re.search(r"\w", _parts().sub("", name))
     composites = (_COMPOSED.get(" ".join(sorted(kinds))) for kinds in (parts, parts - {"in"}) if is_phrase)

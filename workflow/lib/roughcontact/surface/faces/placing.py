@@ -56,8 +56,8 @@ class Place:
         words, stretch = [], abs(self.scale - 1)
         # at the limit of the search the map may be turned or stretched by more
         turned, stretched = (
-            " or more" if np.isclose(found, limit) else ""
-            for found, limit in ((abs(self.rotation), _MAX_ANGLE), (stretch, _MAX_SCALING))
+            " or more" if np.isclose(amount, limit) else ""
+            for amount, limit in ((abs(self.rotation), _MAX_ANGLE), (stretch, _MAX_SCALING))
         )
         if abs(self.rotation) >= _SHOWN_ANGLE:
             words.append(f"turned by {number(self.rotation, decimals=1)}°{turned}")
