@@ -9,6 +9,7 @@ import xarray as xr
 from scipy import special, stats
 
 import roughcontact as rc
+from roughcontact.arguments.answers import CONDUCTANCE, ENDS, GAP
 from roughcontact.surface.synthetic import rough_reference_surface
 from roughcontact.uncertainty import calibration
 from roughcontact.uncertainty.combination import SOURCES
@@ -180,6 +181,28 @@ def test_an_unbounded_map_leaves_the_group_unbounded():
     group = rc.group_statistics(maps)
     assert np.isnan(group["mean_gap_upper"].item())
     assert group["mean_gap_lower"].item() > 0
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("count", [2, 3])
+def test_maps_with_a_closed_gap_are_closed_and_reach_as_far_as_each(count):
+    """Neither a gap of zero nor the conductance of full contact has a logarithm to be averaged on."""
+    closed = {
+        GAP: [1e-6, 0.0],
+        f"{GAP}_lower": [5e-7, 0.0],
+        f"{GAP}_upper": [2e-6, 3e-9],
+        CONDUCTANCE: [2.0, np.inf],
+        f"{CONDUCTANCE}_lower": [1.0, 50.0],
+        f"{CONDUCTANCE}_upper": [4.0, np.inf],
+    }
+    columns = {name: ("load", values) for name, values in closed.items()}
+    maps = [one_map([1e-6, 0.0], load=(1e6, 1e8)).assign(columns) for _ in range(count)]
+    maps[1] = maps[1].assign(mean_gap_upper=("load", [2e-6, 7e-9]))
+    closed_group = rc.group_statistics(maps).isel(load=1)
+    gap, conductance = ([closed_group[f"{name}{end}"].item() for end in ENDS] for name in (GAP, CONDUCTANCE))
+    assert gap == [0.0, 0.0, 7e-9]
+    assert conductance == [np.inf, 50.0, np.inf]
+    assert closed_group["mean_gap_of_maps"].values.tolist() == [0.0] * count
 
 
 def test_one_map_is_what_it_was_and_two_are_a_range():

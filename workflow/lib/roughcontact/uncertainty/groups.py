@@ -180,9 +180,14 @@ def group_statistics(
                 name, values, shared, parts, single=single, loads=loads, hardest=hardest, members=members
             )
         )
-        columns |= {f"{name}{ending}": ("load", column) for ending, column in numbers.items()}
-        columns[f"{name}_of_maps"] = (("map", "load"), from_scale(name, values))
         in_units = component_in_units(name, numbers[""], np.moveaxis(shared, 0, -1))
+        of_maps = np.where(np.isnan(values), _stacked(name, datasets, loads), from_scale(name, values))
+        if len(datasets) > 1:  # a closed gap and the conductance of full contact have no finite logarithm
+            is_limit = np.isnan(values).any(axis=0) & ~np.isnan(of_maps).any(axis=0)
+            for ending, column in _range_of_maps(name, of_maps, datasets, loads).items():
+                numbers[ending] = np.where(is_limit, column, numbers[ending])
+        columns |= {f"{name}{ending}": ("load", column) for ending, column in numbers.items()}
+        columns[f"{name}_of_maps"] = (("map", "load"), of_maps)
         columns[f"{name}_shared"] = (
             ("source", "component", "load"),
             np.where(np.isinf(in_units), np.nan, in_units),
@@ -286,6 +291,25 @@ def _numbers_of_maps(
     return columns
 
 
+def _stacked(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> np.ndarray:
+    """Return a number (map, load) of all maps at some loads (Pa)."""
+    return np.stack(
+        [interpolated(data["mean_pressure"].values, loads, data[name].values) for data in datasets]
+    )
+
+
+def _range_of_maps(
+    name: str, of_maps: np.ndarray, datasets: Sequence[xr.Dataset], loads: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Return the median (load) of a number of maps, and the range of their intervals, by their endings."""
+    has_ends = all(f"{name}{suffix}" in data for data in datasets for suffix in ENDS[1:])
+    lower, upper = (
+        _stacked(f"{name}{suffix}", datasets, loads) if has_ends else of_maps for suffix in ENDS[1:]
+    )
+    middle = np.median(of_maps, axis=0)
+    return dict(zip(ENDS, (middle, lower.min(axis=0), upper.max(axis=0)), strict=True))
+
+
 def _effects(
     name: str, values: np.ndarray, half_width: np.ndarray, part_names: Sequence[str], members: Members
 ) -> tuple[Effects, np.ndarray]:
@@ -334,9 +358,9 @@ def scaled_components(
 
 
 def scaled_at(name: str, dataset: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return a quantity of a map and its components on its scale at some loads (Pa)."""
+    """Return a quantity of a map, NaN where infinite, and its components on its scale at some loads (Pa)."""
     own_loads, values = dataset["mean_pressure"].values, to_scale(name, dataset[name].values)
-    components = scaled_components(name, dataset)
+    values, components = np.where(np.isinf(values), np.nan, values), scaled_components(name, dataset)
     return interpolated(own_loads, loads, values), interpolated(own_loads, loads, components)
 
 
