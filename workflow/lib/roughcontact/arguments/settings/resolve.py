@@ -267,6 +267,8 @@ def _mistakes_in_sliding(sliding: Mapping[str, Any], contact: Mapping[str, Any])
     elif speeds and contact_modulus(bodies) < (1 - _RIGID) * contact_modulus(relaxing):
         text = ": the face is taken to be rigid, and gives way by more than a percent of what the rubber does"
         yield _mistake("sliding.speed", text)
+    if speeds and contact["influence"] != "sampled":
+        yield _mistake("sliding.speed", ": rubber that slides is solved with contact.influence: sampled")
     # that of a stiff face by its name limits nothing
     softer = [body["hardness"] for body in bodies if not body["relaxation"]]
     if speeds and contact["hardness"] and contact["hardness"] not in softer:
