@@ -149,6 +149,13 @@ def test_pressures_at_the_hardness_have_no_interval_and_no_difference():
     assert (upper_bounds > 6e7).all()
 
 
+def test_surfaces_whose_area_is_unknown_at_the_load_have_no_line():
+    areas = xr.Dataset({AREA: ("load", [0.1, np.nan]), "mean_pressure": ("load", [1e6, 1e8])})
+    surfaces = areas.assign(contact_modulus=1e9)
+    assert surfaces_in_words({"a": (surfaces, 1), "b": (surfaces, 1)}) == ""
+    assert "10.0 % (a) to 10.0 % (b)" in surfaces_in_words({"a": (surfaces, 0), "b": (surfaces, 0)})
+
+
 def test_pictures_show_every_map():
     groups = [named("lapped", (0.9, 1.0, 1.1)), named("ground", (1.9, 2.0, 2.1))]
     values, _ = group_picture(groups)

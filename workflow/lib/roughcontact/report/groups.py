@@ -317,17 +317,18 @@ def surfaces_in_words(results: Mapping[str, Load]) -> str:
         return f"{head}: {_by_word(words)}."
     answers = [COLUMN_NAMES[column - 1] for column in columns]
     answer = next((name for name in answers if all(has_number(data, name) for data in all_data)), "")
-    if not answer:
+    values = {name: float(data[answer][index]) for name, (data, index) in results.items() if answer}
+    # the conductance of full contact is infinite
+    names = sorted((name for name in values if not np.isnan(values[name])), key=values.__getitem__)
+    if not names:
         return ""
-    values = {name: float(data[answer][index]) for name, (data, index) in results.items()}
     units = dict(zip(results, glance_units(all_data), strict=True))
-    known = sorted((name for name in values if np.isfinite(values[name])), key=lambda name: values[name])
-    ends = [
+    lowest, highest = (
         f"{interval_cell(data, answer, units[name], index).text} ({name})"
-        for name in (known[0], known[-1])
+        for name in (names[0], names[-1])
         for data, index in [results[name]]
-    ]
-    return f"{head}: {TITLES[answer]} from {ends[0]} to {ends[1]}."
+    )
+    return f"{head}: {TITLES[answer]} from {lowest} to {highest}."
 
 
 def _comparison(part: xr.Dataset, name: str, is_limited_at: Sequence[bool]) -> Row:
