@@ -169,9 +169,11 @@ def group_statistics(
     hardness = {key: float(datasets[0][key]) for key in _OF_HARDNESS if key in datasets[0]}
     hardest = hardness.get("hardness_upper", hardness.get("hardness", np.inf))
     for name in quantities:
-        maps, components = zip(*(scaled_at(name, data, loads) for data in datasets), strict=True)
+        scaled = [scaled_at(name, data, loads) for data in datasets]
+        maps, components = zip(*scaled, strict=True)
         values, shared = np.stack(maps), np.mean(components, axis=0)
-        without_overview, widths = zip(*(_of_map_alone(name, data, loads) for data in datasets), strict=True)
+        alone = (_of_map_alone(name, data, loads, *own) for data, own in zip(datasets, scaled, strict=True))
+        without_overview, widths = zip(*alone, strict=True)
         single = np.stack(without_overview), np.mean(widths, axis=0)
         numbers = (
             _numbers_of_map(name, datasets[0])
@@ -181,9 +183,12 @@ def group_statistics(
             )
         )
         in_units = component_in_units(name, numbers[""], np.moveaxis(shared, 0, -1))
-        of_maps = np.where(np.isnan(values), _stacked(name, datasets, loads), from_scale(name, values))
-        if len(datasets) > 1:  # a closed gap and the conductance of full contact have no finite logarithm
-            is_limit = np.isnan(values).any(axis=0) & ~np.isnan(of_maps).any(axis=0)
+        of_maps = from_scale(name, values)
+        if (is_unknown := np.isnan(values)).any():
+            of_maps = np.where(is_unknown, _stacked(name, datasets, loads), of_maps)
+        if is_unknown.any() and len(datasets) > 1:
+            # a closed gap and the conductance of full contact have no finite logarithm
+            is_limit = is_unknown.any(axis=0) & ~np.isnan(of_maps).any(axis=0)
             for ending, column in _range_of_maps(name, of_maps, datasets, loads).items():
                 numbers[ending] = np.where(is_limit, column, numbers[ending])
         columns |= {f"{name}{ending}": ("load", column) for ending, column in numbers.items()}
@@ -326,9 +331,13 @@ def _effects(
     return effects, is_expected
 
 
-def _of_map_alone(name: str, dataset: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return a quantity of a map on its scale, and its half-width by the window, without its overviews."""
-    value, components = scaled_at(name, dataset, loads)
+def _of_map_alone(
+    name: str, dataset: xr.Dataset, loads: np.ndarray, value: np.ndarray, components: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return a quantity of a map on its scale, and its half-width by the window, without its overviews.
+
+    `value` and `components` are those with them, by `scaled_at`.
+    """
     half_width = components[:, SOURCES.index("window"), :2].mean(axis=1)
     if f"{name}_{ALONE}" not in dataset:
         return value, half_width

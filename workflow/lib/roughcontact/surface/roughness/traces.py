@@ -189,8 +189,8 @@ def _floor(power: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:
 
 
 def _derivatives(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    # points far apart, whose derivatives are hardly correlated
     """Return first and second derivatives along each axis at some points of the map."""
+    # points far apart, whose derivatives are hardly correlated
     places = np.unravel_index(np.arange(0, values.size, max(1, values.size // _SAMPLE)), values.shape)
     slopes, seconds = [], []
     for axis, (pitch, points) in enumerate(zip(steps, values.shape, strict=True)):
