@@ -145,11 +145,13 @@ class Browser:
 
     def tab_to(self, selector, *, most=400):
         """Press Tab until an element has the focus, as who has no mouse does."""
+        passed = []
         for _ in range(most):
             if self.evaluate(f"document.activeElement.matches({json.dumps(selector)})"):
                 return
+            passed.append(self.evaluate("document.activeElement.outerHTML.slice(0, 60)"))
             self.press("Tab")
-        raise AssertionError(f"no Tab reaches {selector}")
+        raise AssertionError(f"no Tab reaches {selector}, but {passed}")
 
     def choose_files(self, selector, *paths):
         """Choose files in a field, as in the dialogue of the system."""

@@ -1288,6 +1288,8 @@ class TestPages:
             ):
                 browser.tab_to(f"[name='{name}']")
                 browser.type(text)
+            saved(browser)
+            rows_read(browser, 3)
             browser.wait("!document.querySelector('#start').disabled")
             browser.tab_to("#start")
             # from the top of the page no more than forty stops, with three files

@@ -133,13 +133,13 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
     by_meaning = Stated()
     for number, line in enumerate(islice(lines, _MAX_LINES), start=start):
         text = line.translate(_WIDE_MARKS).strip().lstrip("#%;!\\*/ \t").strip()
+        if len(text) > _MAX_PHRASE:
+            text = re.sub(r"(\s)\s+", r"\1", text)
         if not text or len(line) > _MAX_LINE_LENGTH or _CAMERA.search(text):
             continue
         text = re.sub(r"\b(?:d?x\s*=\s*d?y)\s*(?==)", "step ", text)  # "dx = dy = 2 µm"
         if re.search("[\"']:", text):  # JSON, or a dict of Python
             text = re.sub("[\"']", "", text.strip("{}, "))
-        if len(text) > _MAX_PHRASE:
-            text = re.sub(r"(\s)\s+", r"\1", text)
         pieces = _PIECES.split(text) if len(text) < _MAX_PHRASE else [text]
         if len(pieces) > 1 and (axis := _ONE_AXIS.fullmatch(text)):  # "x axis: 18 points, step 0.4 µm"
             pieces = [re.sub(r"^(\d+)\s+([^\W\d]+)$", r"\2 \1", piece) for piece in _PIECES.split(axis[2])]
