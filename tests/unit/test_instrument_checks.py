@@ -214,6 +214,14 @@ def test_periodic_and_tiny_maps_are_not_judged():
     assert checks.suspected_noise(noisy.attrs) == pytest.approx(3e-8, rel=0.1)
 
 
+def test_no_noise_shows_in_maps_of_few_short_waves_or_of_none():
+    """19 x 4 points have seven waves near the Nyquist frequency; equal rows have no waves across them."""
+    noise = np.random.default_rng(1).standard_normal((64, 64))
+    for values in (noise[:19, :4], np.tile(noise[0], (64, 1))):
+        found = traces.instrument_traces(height_map(values, 1e-6))
+        assert (found["noise_floor"], found["top_exponent"]) == (0.0, -np.inf)
+
+
 def test_quantised_heights_are_not_repeated_ones():
     values = surface() + 1e-7 * np.arange(160)
     for levels in (20, 100, 1000):

@@ -99,6 +99,26 @@ def test_tables_as_instruments_write_them(tmp_path, headings, form):
     np.testing.assert_allclose(read, expected.assign(frequency=2 * np.pi * expected["frequency"]), rtol=1e-6)
 
 
+def test_a_comma_is_a_decimal_one_where_no_number_has_a_point(tmp_path):
+    """Beside points, or within quotes, it could also separate thousands."""
+    path = tmp_path / "dma.csv"
+    path.write_text("freq. (kHz);E' (MPa);E'' (MPa)\n0,001;0,0015;0,1\n0,01;2;0,2\n0,1;3;0,3")
+    rows = [[1, 1500, 1e5], [10, 2e6, 2e5], [100, 3e6, 3e5]]
+    np.testing.assert_allclose(read_relaxation(path), rows * np.array([2 * np.pi, 1, 1]))
+    for text in ("f;E';E''\n1,000;2e6;2.5e5", "f,E',E''\n\"1,000\",3e6,3e5"):
+        path.write_text(text)
+        with pytest.raises(SettingsError, match="column 'f': '1,000' is not a number"):
+            read_relaxation(path)
+
+
+def test_the_softest_rubber_has_a_kilopascal():
+    sweep = pd.DataFrame({"f": [1, 10, 100], "E' (Pa)": [1e3, 2e3, 3e3], "E''": [1e3, 1e3, 1e3]})
+    assert read_relaxation(sweep)["storage_modulus"].min() == 1e3
+    for column in ("E' (Pa)", "E''"):
+        with pytest.raises(SettingsError, match=r"999\.5 Pa is softer than any rubber"):
+            read_relaxation(sweep.replace({column: {1e3: 999.5}}))
+
+
 def test_a_frequency_in_inverse_seconds_is_of_its_heading():
     """1/s of f is Hz, of ω rad/s."""
     moduli = {"E' (MPa)": [1, 2, 3], "E'' (MPa)": [0.1, 0.2, 0.3]}
