@@ -9,6 +9,7 @@ import array_api_strict
 import numpy as np
 import pytest
 from option_pairs import every_pair
+from scipy import ndimage
 
 from roughcontact.kernels import array_api, choose, compiled
 from roughcontact.kernels import threads as job_threads
@@ -231,6 +232,20 @@ def test_plain_and_compiled_agree(name, grid, precisions, cap):
         assert_same(outcome(name, Compiled(threads), fields, factors, cap), expected, precisions)
     strict = outcome(name, array_api, fields, factors, cap, convert=array_api_strict.asarray)
     assert_same(strict, expected, precisions)
+
+
+@pytest.mark.parametrize("precision", [SINGLE, DOUBLE])
+@pytest.mark.parametrize("shape", [(5, 5), (5, 200), (70, 5), (9, 133), (40, 68)])
+def test_medians_are_those_of_scipy(shape, precision):
+    rng = np.random.default_rng(0)
+    for values in (
+        rng.standard_normal(shape),
+        rng.integers(0, 4, shape),
+        np.add.outer(*map(np.arange, shape)),
+    ):
+        field = values.astype(precision)
+        expected = ndimage.median_filter(field, size=5)[2:-2, 2:-2]
+        np.testing.assert_array_equal(compiled.median_filter(field), expected)
 
 
 def test_compiled_kernels_are_chosen_for_numpy_arrays_and_threads_for_large_ones(monkeypatch):

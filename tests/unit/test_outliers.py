@@ -19,6 +19,19 @@ def rough(shape=(128, 128), hurst=0.8, shortest=4e-6, seed=5, rms=1e-6):
     ).values
 
 
+@pytest.mark.parametrize("shape", [(128, 128), (3, 400)])
+def test_the_same_outliers_without_compiled_kernels(monkeypatch, shape):
+    values = rough(shape)
+    values[1, ::40] += 1e-4
+    values[:, 30:33] = np.nan
+    found, counts = find_outliers(values, threshold=THRESHOLD)
+    assert counts["spike"] >= 3
+    monkeypatch.setattr(outliers, "library_available", lambda: False)
+    plain, plain_counts = find_outliers(values, threshold=THRESHOLD)
+    np.testing.assert_array_equal(found, plain)
+    assert counts == plain_counts
+
+
 @pytest.mark.parametrize("hurst", [0.1, 0.5, 0.8, 1.0])
 @pytest.mark.parametrize("shortest", [2e-6, 8e-6])
 def test_self_affine_surfaces_are_not_eaten(hurst, shortest):

@@ -61,6 +61,7 @@ _ARGUMENTS = {
     "rows_backward": ("rcr", "dqq"),
     "columns": ("cr", "qqq"),
     "percolates": ("rDD", "dqq"),
+    "medians": ("rr", "qq"),
 }
 _structs = {name: Struct("P" * len(arrays) + scalars) for name, (arrays, scalars) in _ARGUMENTS.items()}
 _pack = {name: struct.pack for name, struct in _structs.items()}
@@ -272,6 +273,14 @@ class Regions:
         arrays = self._field, *self._trees
         results = run_pass("percolates", 1, 6 * (nx // 2 + 1), arrays, level, ny, nx)
         return bool(results[0]), bool(results[1])
+
+
+def median_filter(field: np.ndarray) -> np.ndarray:
+    """Return the medians of 5 x 5 points of a field (ny, nx), of those two points from its edges or more."""
+    ny, nx = field.shape
+    medians = store.empty((ny - 4, nx - 4), field.dtype)
+    run_pass("medians", ny - 4, 0, (np.require(field, requirements=["C", "A", "W"]), medians), ny, nx)
+    return medians
 
 
 class CompiledSmallGrids:

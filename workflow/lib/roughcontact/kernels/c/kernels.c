@@ -64,6 +64,7 @@ enum { UNKNOWN, SCATTERED, ALONG_A_LINE }; /* `Arrangement` of protocol.py */
 #define ROWS ((int64_t)(128 / sizeof(REAL)))
 #define COLUMNS ((int64_t)(64 / sizeof(REAL)))
 #define TILE ((int64_t)(64 / sizeof(REAL))) /* entries of a line moved at a time */
+#define MEDIANS 64 /* computed at a time */
 
 struct Weights { double across_y, across_x, diagonal; };
 

@@ -816,3 +816,40 @@ PASS(refine, {
         }
     }
 }
+
+/* Sort two points of each of the medians that are computed at a time. */
+static inline void NAME(sort)(REAL *lower, REAL *upper)
+{
+    VECTOR
+    for (int64_t k = 0; k < MEDIANS; k++) {
+        const REAL a = lower[k], b = upper[k];
+        lower[k] = SMALLER(a, b);
+        upper[k] = LARGER(b, a);
+    }
+}
+
+/* The median of 5 x 5 points, from the inner points of the field to `out`: of more than half of them the smallest and the
+   largest are not the median, and leave their place to the next point until three remain. */
+PASS(medians, { const REAL *field; REAL *out; int64_t ny, nx; })
+{
+    const int64_t nx = given->nx, width = nx - 4;
+    REAL points[25][MEDIANS];
+    memset(points, 0, sizeof points);
+    for (int64_t i = first; i < last; i++)
+        for (int64_t start = 0; start < width; start += MEDIANS) {
+            const int64_t medians = SMALLER(MEDIANS, width - start);
+            for (int64_t k = 0; k < 25; k++)
+                memcpy(points[k], given->field + (i + k / 5) * nx + start + k % 5, (size_t)medians * sizeof(REAL));
+            for (int64_t count = 14; count > 2; count--) { /* points[0] to points[count - 1] are left */
+                for (int64_t k = 0; k < count / 2; k++)
+                    NAME(sort)(points[k], points[count - 1 - k]);
+                for (int64_t k = 1; k < (count + 1) / 2; k++)
+                    NAME(sort)(points[0], points[k]);
+                for (int64_t k = count / 2; k < count - 1; k++)
+                    NAME(sort)(points[k], points[count - 1]);
+                if (count > 3)
+                    memcpy(points[0], points[28 - count], sizeof points[0]);
+            }
+            memcpy(given->out + i * width + start, points[1], (size_t)medians * sizeof(REAL));
+        }
+}

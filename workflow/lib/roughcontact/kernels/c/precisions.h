@@ -61,7 +61,7 @@ static const struct Entry JOIN(table, of, LEVEL)[] = {
     OF_ONE(inverse_root) OF_ONE(product) OF_ONE(block_mean) OF_ONE(weigh) OF_ONE(mix) OF_ONE(neighbours) OF_ONE(fill)
     OF_ONE(fill_from) OF_ONE(empty_neighbours) OF_ONE(gather) OF_ONE(empty_from) OF_ONE(spread)
     OF_ONE(finish_restriction) OF_ONE(weigh_small) OF_ONE(prolong_small) OF_ONE(restrict_small) OF_ONE(continue_square)
-    OF_ONE(refine) OF_ONE(rows_forward) OF_ONE(rows_backward) OF_ONE(columns) OF_ONE(percolates)
+    OF_ONE(refine) OF_ONE(rows_forward) OF_ONE(rows_backward) OF_ONE(columns) OF_ONE(percolates) OF_ONE(medians)
     OF_TWO(make_dimensionless) OF_TWO(measure) OF_TWO(masked_residual) OF_TWO(predict_active)
     OF_TWO(redistribute) OF_TWO(project) OF_TWO(project_residual)
     ENTRY(advance, fff) ENTRY(advance, ffd) ENTRY(advance, fdd) ENTRY(advance, dfd) ENTRY(advance, ddd)

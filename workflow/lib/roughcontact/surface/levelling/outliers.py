@@ -7,6 +7,8 @@ from collections import Counter
 
 import numpy as np
 
+from roughcontact.kernels.choose import library_available
+from roughcontact.kernels.compiled import median_filter
 from roughcontact.surface.levelling.polynomial import fit_polynomial
 from roughcontact.surface.levelling.robust import robust_scale
 
@@ -124,8 +126,6 @@ def _median_distance(lines: np.ndarray, neighbours: np.ndarray) -> np.ndarray:
 
 def _spikes(values: np.ndarray, rejections: np.ndarray, threshold: float) -> np.ndarray:
     """Return the mask of points, alone or in small groups, that deviate from their surroundings."""
-    from scipy import ndimage
-
     result = np.zeros(values.shape, dtype=bool)
     if max(values.shape) <= 2 * _MEDIAN_HALF_WIDTH or (rejections | np.isnan(values)).all():
         return result
@@ -148,10 +148,9 @@ def _spikes(values: np.ndarray, rejections: np.ndarray, threshold: float) -> np.
     del residual
     is_reference = np.pad(reference, [(f, f) for f in ring_half_widths], mode="reflect")
     del reference
-    size = [2 * n + 1 for n in median_half_widths]
     inner = tuple(slice(f, f + n) for f, n in zip(ring_half_widths, values.shape, strict=True))
-    medians = ndimage.median_filter(field, size=size)
-    deviation = np.subtract(field, medians, out=medians)[inner]
+    medians = _medians(field, median_half_widths, ring_half_widths)
+    deviation = np.subtract(field[inner], medians, out=medians)
     del medians
     deviation[missing] = 0
     scale = robust_scale(deviation[~missing], overwrite=True)
@@ -172,6 +171,17 @@ def _spikes(values: np.ndarray, rejections: np.ndarray, threshold: float) -> np.
             worst = np.abs(deviation[tuple(where.T)]) > limit * spread
             result[tuple(where[worst & (spread > floor)].T)] = True
     return result
+
+
+def _medians(field: np.ndarray, half_widths: list[int], border: list[int]) -> np.ndarray:
+    """Return the medians of a neighbourhood of each point that is not on the border."""
+    if half_widths == [_MEDIAN_HALF_WIDTH] * 2 and library_available():
+        medians, border = median_filter(field), [b - _MEDIAN_HALF_WIDTH for b in border]
+    else:
+        from scipy import ndimage
+
+        medians = ndimage.median_filter(field, size=[2 * n + 1 for n in half_widths])
+    return medians[tuple(slice(b, n - b) for b, n in zip(border, medians.shape, strict=True))]
 
 
 def _reference_points(missing: np.ndarray) -> np.ndarray:
