@@ -133,7 +133,7 @@ def run_in(
     ------
     SettingsError
         for a wear coefficient or distances that do not serve, a map of two rough faces, an outermost layer
-        of the face that is worn through, and as `solve_contact`.
+        of a body, either of which may have the face, that is worn through, and as `solve_contact`.
     HeightMapError, ConvergenceError
         as `solve_contact`.
 
@@ -162,13 +162,16 @@ def run_in(
     options |= {"influence": influence, "zero_frequency": zero_frequency}
     first = solve_contact(window, **options, mean_pressure=load, tolerance=solver_tolerance, threads=threads)
     faces = worn_faces(first, elasticity(**options), wear, distances, tolerance=tolerance, threads=threads)
-    layer = top_material(check_bodies(bodies)[0]).get("thickness", math.inf) if bodies else math.inf
+    checked_bodies = check_bodies(bodies) if bodies else []  # either may have the face
+    layers = [top_material(body).get("thickness", math.inf) for body in checked_bodies]
+    thinnest = min(layers, default=math.inf)
     rows, course = [], []
     for steps, worn in enumerate(faces):
-        if (lost := float((first["height"].values - worn.height.values).max())) >= layer:
+        if (lost := float((first["height"].values - worn.height.values).max())) >= thinnest:
+            which = ("first", "second")[layers.index(thinnest)]
             raise SettingsError(
-                f"sliding_distance: after {worn.distance:g} m the face, the first of the bodies, has lost "
-                f"{lost:g} m, and its outermost layer is {layer:g} m thick; give shorter distances",
+                f"sliding_distance: after {worn.distance:g} m the face has lost {lost:g} m, and the "
+                f"outermost layer of the {which} body is {thinnest:g} m thick; give shorter distances",
                 keys=["sliding_distance"],
             )
         course.append((worn.distance, relative_contact_area(worn.pressure > 0)))
