@@ -63,14 +63,14 @@ def test_settings_that_differ_from_their_defaults_follow_each_with_its_unit():
         },
     }
     settings = resolve(config)
-    seal = "statistics.seal: viscosity 0.00100 Pa s, pressure_difference 100 kPa, width 2.00 mm"
+    seal = "statistics.seal: viscosity 1.00 mPa s, pressure_difference 100 kPa, width 2.00 mm"
     changed = {case: changed_settings(case_settings) for case, case_settings in settings.items()}
     assert changed == {
         "plain": [seal],
         "cut": ["window.shortest_wavelength: 2.50 µm", seal, "uncertainty.sources: []"],
     }
     words = dict(describe_problem(settings, changed))
-    of_seal = "seal: viscosity 0.00100 Pa s, pressure difference 100 kPa, width 2.00 mm"
+    of_seal = "seal: viscosity 1.00 mPa s, pressure difference 100 kPa, width 2.00 mm"
     assert words["plain"].endswith(f"hardness 100 MPa; loads planned for each map; {of_seal}")
     assert words["cut"].count("; ") == 4
 

@@ -27,10 +27,10 @@ _PRINTED = {
     "m2": Unit(1e6, "mm²"),
     "m3 s-1": Unit(3.6e9, "ml/h"),
     "m2 s-1": Unit(1e6, "mm²/s"),
-    "Ohm": Unit(1e3, "mΩ"),
     "Ohm m2": Unit(1e12, "µΩ mm²"),
     "m2 K W-1": Unit(1e6, "mm² K/W"),
     "Pa-1": Unit(1e9, "mm³/(N m)"),
+    "Pa s": Unit(1e3, "mPa s"),
 }
 # of JSON schema, by the names that pydantic leaves there for limits behind a validator
 _KEYWORDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
@@ -95,9 +95,10 @@ def changed_settings(settings: Mapping[str, Any]) -> list[str]:
     >>> config = {"contact": {"contact_modulus": 1e9, "hardness": "1 GPa", "unload": ["50 MPa", "0.2 GPa"]}}
     >>> changed_settings(resolve(config)[""])
     ['contact.unload: 50.0 MPa, 200 MPa']
-    >>> config = {"contact": {"contact_modulus": 1e9}, "statistics": {"friction": {"shear_strength": 5e7}}}
+    >>> friction = {"shear_strength": 5e7, "shear_strength_uncertainty": 0.2}
+    >>> config = {"contact": {"contact_modulus": 1e9}, "statistics": {"friction": friction}}
     >>> changed_settings(resolve(config)[""])
-    ['statistics.friction: shear_strength 50.0 MPa']
+    ['statistics.friction: shear_strength 50.0 MPa, shear_strength_uncertainty ± 20.0 %']
     """
     return [
         f"{section}.{name}: {value_text(settings[section][name], field, name=name)}"
@@ -199,9 +200,9 @@ def value_text(value: Any, field: FieldInfo, *, name: str = "") -> str:
             if entry is not None
         )
     if name.endswith("_uncertainty"):
+        shares = list(map(percent, value if isinstance(value, list) else [value]))
         # one number is that of both sides
-        below, *_, above = map(percent, value if isinstance(value, list) and len(value) > 1 else [value] * 2)
-        return f"± {above}" if below == above else f"−{below} +{above}"
+        return f"± {shares[-1]}" if shares[0] == shares[-1] else f"−{shares[0]} +{shares[-1]}"
     unit = setting_base(field)
     if unit and isinstance(value, list) and all(isinstance(entry, float) for entry in value):
         # no load: the largest one, of contact.unload
@@ -211,4 +212,6 @@ def value_text(value: Any, field: FieldInfo, *, name: str = "") -> str:
 
 def _with_unit(value: float, unit: str) -> str:
     """Return a value (SI) with a unit that people read."""
-    return _PRINTED[unit].text(value) if unit in _PRINTED else quantity(value, printed(unit))
+    return (
+        _PRINTED[unit].text(value) if unit in _PRINTED else quantity(value, printed(unit).replace("Ohm", "Ω"))
+    )
