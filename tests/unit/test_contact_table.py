@@ -114,6 +114,17 @@ def statistics():
     )
 
 
+def test_flow_factors_of_a_map_are_not_tabulated_over_the_gap_of_an_overview(statistics):
+    of_overview = statistics.assign(
+        mean_gap_alone=statistics["mean_gap"], mean_gap=0.8 * statistics["mean_gap"]
+    )
+    message = (
+        "the mean gap is that of the surface over an overview, the flow factors are of the map: solve it"
+    )
+    with pytest.raises(rc.SettingsError, match=f"{message} without the overview"):
+        tabulate_by_gap(of_overview)
+
+
 def test_the_table_is_that_of_the_statistics(statistics, tmp_path, capsys):
     window = rough_reference_surface(64) * 1e-6
     said = []

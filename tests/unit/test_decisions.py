@@ -63,6 +63,14 @@ def test_when_a_gap_is_certainly_closed_or_open(numbers, decision):
     np.testing.assert_array_equal(gap_is_closed(numbers, "x"), [decision])
 
 
+def test_what_an_overview_tells_of_the_mean_gap_says_nothing_of_the_narrowest_place():
+    """The narrowest place is that of the map, the mean gap that of the field: it decides as without it."""
+    of_map = {name.replace("gap", "gap_alone", 1): ends for name, ends in mean_gap(1e-7, 9e-9).items()}
+    numbers = gap(5e-8, 0.0, 1e-6, area=(0.0, 0.09), leak_rate_x=[1e3 * TIGHT], **mean_gap(8e-8, 7e-8, 9e-8))
+    np.testing.assert_array_equal(gap_is_closed(numbers, "x"), [0])
+    np.testing.assert_array_equal(gap_is_closed(numbers | of_map, "x"), [NAN])
+
+
 def test_what_is_closed_stays_closed_and_what_is_open_was_open():
     loads = {"mean_pressure": [4e6, 1e6, 2e6, 3e6]}
     narrowest = {"critical_constriction_x": [0.0, 5e-8, 3e-8, 0.0]}

@@ -230,6 +230,7 @@ def without_effect(field, place, pixels, **settings):
     assert both["mean_gap"].values == pytest.approx(alone["mean_gap"].values)
     assert "The overview counts for nothing: " in both.attrs["window_flag"]
     assert "The overview counts for nothing: " in both.attrs["reasons"]
+    assert not [name for name in both if "_alone" in name or "_joint" in name]
     assert both["verdict"].item() > 0
 
 

@@ -18,7 +18,7 @@ from roughcontact.arguments.settings.messages import nearest
 from roughcontact.arguments.settings.models import Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.si import labelled_in_si, listed
-from roughcontact.arguments.variables import describe
+from roughcontact.arguments.variables import describe, has_number
 from roughcontact.contact.problem import warn_of_seams
 from roughcontact.errors import HeightMapWarning, SettingsError
 from roughcontact.evaluation.creep import moduli_after
@@ -265,6 +265,11 @@ def tabulate_by_gap(statistics: xr.Dataset) -> xr.Dataset:
         raise SettingsError(
             "the statistics are to be of one surface with flow factors: solve it with --flow always, or with "
             "flow: always in the section statistics"
+        )
+    if has_number(statistics, "mean_gap_alone"):
+        raise SettingsError(
+            "the mean gap is that of the surface over an overview, the flow factors are of the map: solve it "
+            "without the overview"
         )
     # from the first touch to the closed gap, as codes of lubrication read it
     statistics = statistics.sortby("mean_gap", ascending=False)

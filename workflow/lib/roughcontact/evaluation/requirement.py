@@ -98,8 +98,7 @@ def with_largest_roughness(
                     if end == 0:
                         shift = found - on_curve
                     exponents[end, index] = found
-        if allowed.answer == "sealing":  # no roughness holds what the fluid lifts
-            exponents[:, is_lifted(statistics)] = np.nan
+        exponents[:, is_lifted(statistics, name)] = np.nan  # no roughness holds what the fluid lifts
         sizes = np.exp(exponents) * float(statistics["Sq"])
         columns |= {f"{name}_largest_Sq{end}": ("load", row) for end, row in zip(ENDS, sizes, strict=True)}
     return statistics.assign(columns)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS, OPPOSITE_ENDS, TOTALS
-from roughcontact.statistics.decisions import is_lifted
+from roughcontact.statistics.decisions import is_lifted, lifting_pressure
 
 Ends = Sequence[npt.ArrayLike] | np.ndarray  # value, lower and upper end (load)
 
@@ -125,13 +125,11 @@ def with_allowed(
             allowed=limit**allowed.sense,
             trend=allowed.trend,
         )
-        if allowed.answer == "sealing" and "fluid_pressure" in complete:
-            # what the fluid lifts does not hold, whatever the gap without it
-            fluid = float(complete["fluid_pressure"])
-            holds = np.where(is_lifted(complete), 0.0, crossing.holds)
-            crossing = Comparison(holds, *(np.maximum(load, fluid) for load in crossing[1:]))
-        columns |= {f"allowed_{name}": limit, f"{name}_holds": ("load", crossing.holds)}
-        columns |= {f"{name}_holds_from{end}": load for end, load in zip(ENDS, crossing[1:], strict=True)}
+        # what the fluid lifts does not hold, whatever the gap without it
+        holds = np.where(is_lifted(complete, name), 0.0, crossing.holds)
+        from_load = np.maximum(crossing[1:], lifting_pressure(complete, name))
+        columns |= {f"allowed_{name}": limit, f"{name}_holds": ("load", holds)}
+        columns |= {f"{name}_holds_from{end}": load for end, load in zip(ENDS, from_load, strict=True)}
     return complete.assign(columns)
 
 

@@ -6,8 +6,8 @@ yields goes on; what is certainly open, or elastic, was so under less.
 
 import numpy as np
 
-from roughcontact.arguments.answers import AREA, ENDS, GAP, PEAK, PRESSURE
-from roughcontact.arguments.variables import Numbers
+from roughcontact.arguments.answers import ALLOWED_VALUES, AREA, ENDS, GAP, PEAK, PRESSURE
+from roughcontact.arguments.variables import Numbers, has_number
 from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.surface.roughness.texture import LAY
 
@@ -42,15 +42,22 @@ def closed_opening(numbers: Numbers, axis: str) -> np.ndarray:
         return np.fmax(CLOSED, np.cbrt(TIGHT / by_cube))
 
 
-def is_lifted(numbers: Numbers) -> np.ndarray:
-    """Return per load whether the fluid that is sealed presses more than the bodies, and opens the gap.
+def lifting_pressure(numbers: Numbers, name: str = "leak") -> float:
+    """Return the mean pressure (Pa) below which a fluid opens what an allowed value is of; 0 for none."""
+    of_seal = ALLOWED_VALUES[name].answer == "sealing"
+    return float(np.nan_to_num(_number(numbers, "fluid_pressure"))) if of_seal else 0.0
+
+
+def is_lifted(numbers: Numbers, name: str = "leak") -> np.ndarray:
+    """Return per load whether the fluid presses more than the bodies, and opens what a value is of.
 
     Examples
     --------
-    >>> is_lifted({"fluid_pressure": 5e5, "mean_pressure": [2e5, 1e6]})
-    array([ True, False])
+    >>> seal = {"fluid_pressure": 5e5, "mean_pressure": [2e5, 1e6]}
+    >>> is_lifted(seal), is_lifted(seal, "gap")
+    (array([ True, False]), array([False, False]))
     """
-    return _of_loads(numbers, "mean_pressure") < _number(numbers, "fluid_pressure")
+    return _of_loads(numbers, "mean_pressure") < lifting_pressure(numbers, name)
 
 
 def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
@@ -77,7 +84,9 @@ def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
     without_lay = float(np.asarray(numbers.get("Str", np.nan))) > LAY
     # with a lay, or where its direction is unknown, the lower of both limits
     has_islands = (value > CLOSED) & (_of_loads(numbers, f"{AREA}_upper") < OPEN_BELOW[without_lay])
-    mean, *bounds = (_of_loads(numbers, f"{GAP}{suffix}") for suffix in ENDS)
+    # an overview tells of the mean gap, and not of the narrowest place of this map
+    of_map = f"{GAP}_alone" if has_number(numbers, f"{GAP}_alone") else GAP
+    mean, *bounds = (_of_loads(numbers, f"{of_map}{suffix}") for suffix in ENDS)
     with np.errstate(divide="ignore", invalid="ignore"):  # no gap is left of full contact
         lowest, highest = (np.where(has_islands, value * bound / mean, np.nan) for bound in bounds)
     closed_parts, open_parts = _shares(numbers, f"{name}_parts", limit)

@@ -53,6 +53,7 @@ _SHARE_OF_CHANGE = 0.3  # in the size: what an overview moves a result by, it mo
 _POWER, _POWER_OF_GRADIENT = 0.8, 0.1  # in the size: of what an overview shows, and of the fine map's scatter
 _LEAST_SIZE = 0.05  # of a logarithm
 _SAME_PIXELS = 0.01  # relative difference
+_OF_MAP = "Largest pressure, narrowest places and leak are those of the map."
 
 
 class Transfer(NamedTuple):
@@ -124,7 +125,7 @@ def scatter_with_overviews(
         transfers = transfers_of(result, form_order(fine), own, overview, arguments)
         pixels = math.sqrt(math.prod(spacing(overview)) / math.prod(spacing(fine)))
         views.append(View(transfers, pixels, sees_map, math.prod(field_ratios(fine, overview))))
-    sentences = [_sentence(fine, overview) for overview in overviews]
+    sentences = [*(_sentence(fine, overview) for overview in overviews), _OF_MAP]
     return with_views(scatter._replace(overview=" ".join(sentences)), result, views)
 
 
@@ -216,10 +217,10 @@ def _results(result: Result, windows: list[xr.DataArray]) -> dict[str, np.ndarra
 
 
 def with_views(scatter: Scatter, result: Result, views: Sequence[View]) -> Scatter:
-    """Return the scatter of a map with the shifts and the arms that its overviews give."""
+    """Return the scatter of a map with the shifts and the arms that its overviews give, if any tells one."""
     arms: dict[Measurand, dict[str, tuple[np.ndarray, np.ndarray]]] = {}
     shift: dict[str, np.ndarray] = {}
-    joint = {}
+    joint, tells = {}, False
     area, gap = result.values[AREA], result.values[GAP] / float(result.window.std())
     largest = max(views, key=lambda view: (view.sees_map, view.field))
     names = [name for name in views[0].transfers if name in scatter.features]
@@ -231,11 +232,12 @@ def with_views(scatter: Scatter, result: Result, views: Sequence[View]) -> Scatt
             numbers = [view.numbers(key, name, area, gradient) for view in telling]
             # NaN where all overviews, or the own place in them, are closed
             centre, *bounds = _combined(np.array(numbers))
+            tells |= bool(np.isfinite(bounds).any())
             centre, ends = np.nan_to_num(centre), np.where(np.isnan(bounds), ends, bounds)
         # of the measurands the surface is the first
         joint[name] = centre - shift.setdefault(name, centre)
         arms.setdefault(key, {})[name] = ends[0] - joint[name], ends[1] + joint[name]
-    return scatter._replace(arms=arms, shift=shift, joint=joint)
+    return scatter._replace(arms=arms, shift=shift, joint=joint) if tells else scatter._replace(overview="")
 
 
 def _combined(numbers: np.ndarray) -> np.ndarray:

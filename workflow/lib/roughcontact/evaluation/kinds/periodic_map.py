@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
-import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.kinds import PERIODIC_MAP, KindFacts
@@ -17,6 +16,7 @@ from roughcontact.surface.faces.placing import place_attributes
 from roughcontact.surface.preparation.periodic_map import MapPreparation, Settings
 from roughcontact.surface.window.instrument import window_arguments
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
+from roughcontact.uncertainty.calibration import ALONE
 from roughcontact.uncertainty.improvement import add_halving
 from roughcontact.uncertainty.overview import scatter_with_overviews
 from roughcontact.uncertainty.scales import AREA
@@ -88,8 +88,7 @@ class PeriodicMap(MapPreparation):
             return budget
         place = place_attributes(solution.overviews, solution.levelled)
         budget = budget.assign_attrs({f"overview_{name}": number for name, number in place.items()})
-        lower_alone = budget.get(f"{AREA}_alone_lower")
-        if lower_alone is not None and not np.array_equal(lower_alone, budget[f"{AREA}_lower"]):
+        if f"{AREA}_{ALONE}" in budget:  # beside the results with what the overview shows
             return budget
         flag = f"{budget.attrs.get('window_flag', '')} {_OVERVIEW_WITHOUT_EFFECT}".lstrip()
         return budget.assign_attrs(window_flag=flag)
