@@ -249,3 +249,19 @@ def numbers_of(holds, crossing, lower, upper):
 )
 def test_the_answer_in_words(numbers, text):
     assert allowed_in_words(numbers_of(*numbers), "leak", 0) == f"leak of at most 1.00 ml/h: {text}"
+
+
+def test_a_crossing_below_the_loads_solved_is_no_load_from_which_on_a_seal_holds():
+    """The fluid bounds it from below, and the loads from above: what leaks nothing at any is not told."""
+    numbers = numbers_of(np.nan, 1e6, 2e5, np.nan).assign(fluid_pressure=2e5)
+    assert allowed_in_words(numbers, "leak", 0).endswith("not decided, would be from 1.00 MPa or less on")
+
+
+def test_a_number_that_holds_at_all_loads_says_up_to_which_one_for_certain():
+    from_loads = {"": 5e6, "_lower": 3e6, "_upper": np.nan}
+    numbers = xr.Dataset({f"pressure_holds_from{end}": load for end, load in from_loads.items()})
+    numbers = numbers.assign(allowed_pressure=2e9, contact_modulus=1e11, pressure_holds=("load", [1, np.nan]))
+    numbers = numbers.assign_coords(mean_pressure=("load", [1e6, 5e6]))
+    assert allowed_in_words(numbers, "pressure", 1).endswith(
+        "not decided, would be up to 5.00 MPa at least (decided up to 3.00 MPa)"
+    )

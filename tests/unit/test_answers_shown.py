@@ -12,10 +12,12 @@ import roughcontact as rc
 from roughcontact import height_map, self_affine_surface, write_dataset
 from roughcontact.arguments.answers import AREA, ENDS
 from roughcontact.report import glance, load_plots
+from roughcontact.report.allowed import allowed_in_words
 from roughcontact.report.charts import COLOURS
 from roughcontact.report.facts import _closing, surface_facts
 from roughcontact.report.page import _comparisons
 from roughcontact.report.tables import number_tables
+from roughcontact.report.units import unit_of
 from roughcontact.results.collect import collect_statistics, result_entry, solved_results
 from roughcontact.statistics.subsurface import add_subsurface_yield
 from roughcontact.surface.synthetic import rough_reference_surface
@@ -255,6 +257,15 @@ def test_a_remark_of_several_answers_stands_once_in_the_line():
     assert line.endswith("; hardness taken as exact.")
 
 
+@pytest.mark.parametrize(("resistance", "text"), [(1.5e-8, "15.0 nΩ"), (2e-5, "20.0 µΩ"), (0.3, "300 mΩ")])
+def test_a_resistance_has_the_prefix_that_brings_it_between_1_and_1000(resistance, text):
+    numbers = {"total_electrical_resistance": [resistance], "resistance_holds": [1.0], "mean_pressure": [1e6]}
+    numbers |= {"allowed_resistance": 1e-3, "contact_modulus": 1e11}
+    words = allowed_in_words(numbers, "resistance", 0, brief=True)
+    assert words == f"resistance {text} of at most 1.00 mΩ: holds"
+    assert unit_of(numbers, "Ohm").text(resistance) == text
+
+
 def test_the_total_of_a_joint_comes_first_with_what_is_allowed():
     joint = {"total_electrical_resistance": 5e-6, "resistance_holds": 1.0, "mean_pressure": 1e6}
     joint |= {"total_electrical_resistance_lower": 4e-6, "total_electrical_resistance_upper": 6e-6}
@@ -268,7 +279,7 @@ def test_the_total_of_a_joint_comes_first_with_what_is_allowed():
     surface |= {"resistance_holds_from_lower": 0.0, "resistance_holds_from_upper": 1e6}
     numbers = xr.Dataset({name: ("load", [value]) for name, value in joint.items()} | surface)
     line = glance.answer_line(numbers, 0, glance.glance_rows(numbers, indices=[0])[0])
-    start = "Resistance 0.0050 ± 0.0010 mΩ at 1.00 MPa, of at most 1.00 mΩ: holds, from 1.00 MPa or less on. "
+    start = "Resistance 5.0 ± 1.0 µΩ at 1.00 MPa, of at most 1.00 mΩ: holds, from 1.00 MPa or less on. "
     assert line.startswith(start)
 
 
@@ -282,7 +293,7 @@ def test_the_line_of_a_joint_with_an_area_has_its_resistance():
     line = glance.answer_line(numbers, 0, glance.glance_rows(numbers, indices=[0])[0])
     assert (
         line.replace("\N{NO-BREAK SPACE}", " ")
-        == "At 1.00 MPa: conductance 5.00 GS/m² (current, 0.100 mΩ of the joint)."
+        == "At 1.00 MPa: conductance 5.00 GS/m² (current, 100 µΩ of the joint)."
     )
 
 

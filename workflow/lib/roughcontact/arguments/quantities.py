@@ -251,8 +251,8 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
 
     Examples
     --------
-    >>> with_interval(0.412, 0.321, 0.502), with_interval(0.412, 0.321, 0.744)
-    ('0.412 ± 0.091', '0.412 −0.091 +0.33')
+    >>> with_interval(0.412, 0.321, 0.502), with_interval(0.412, 0.321, 0.744), with_interval(1.2, 0.0, 2.5)
+    ('0.412 ± 0.091', '0.412 −0.091 +0.33', '1.2 −1.2 +1.3')
     >>> with_interval(300.0, 240.0, 300.0 + 1e-13), with_interval(300.0, 299.9999, 300.0)
     ('300 −60', '300.00')
     >>> with_interval(1.7, 1.2, math.nan), with_interval(0.0028, 0.0, 0.33), with_interval(0.0, 0.0, 4.4e-7)
@@ -272,8 +272,9 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
     above = 0.0 if math.isclose(upper, value, rel_tol=_ROUNDING) else upper - value
     wider, narrower = max(below, above), min(below, above)
     zero = value == below == 0.0 and above > _NEGLIGIBLE  # has no digits that an end could carry
-    # about symmetric, or one half alone
-    even = narrower < 0 or narrower >= (1 - _MAX_ASYMMETRY) * wider
+    # about symmetric, or one half alone; what is not negative is not known to more than itself
+    positive_alone = lower >= 0 and wider > value * (1 + _ROUNDING)
+    even = narrower < 0 or (narrower >= (1 - _MAX_ASYMMETRY) * wider and not positive_alone)
     wider_side = max(wider if even else max(narrower or wider, _UNEVEN * wider), finest)
     if lower > 0 and below > 0 and wider < math.inf:  # would read as 0, and is not
         zero = lower < 10.0 ** -_decimal_places(max(wider_side, below))
@@ -349,13 +350,15 @@ def _fixed(value: float, decimals: int) -> str:
     return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}".replace("-", "−")
 
 
-def percent(share: float) -> str:
-    """Return a share in percent, with three significant digits.
+def percent(share: float, *, digits: int = 3) -> str:
+    """Return a share in percent.
 
     Parameters
     ----------
     share : float
         1 is the whole.
+    digits : int
+        significant digits.
 
     Returns
     -------
@@ -366,7 +369,7 @@ def percent(share: float) -> str:
     >>> percent(0.12345), percent(0.0001234)
     ('12.3 %', '0.0123 %')
     """
-    return f"{number(100 * share)} %"
+    return f"{number(100 * share, digits=digits)} %"
 
 
 def counted_noun(count: int, noun: str) -> str:

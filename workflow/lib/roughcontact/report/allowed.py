@@ -6,7 +6,7 @@ from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS, TOTALS
 from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.report.units import number_text, unit_of
-from roughcontact.statistics.decisions import is_lifted
+from roughcontact.statistics.decisions import is_lifted, lifting_pressure
 from roughcontact.statistics.kinds import load_in_words
 
 HOLDS, FAILS, NOT_DECIDED = "holds", "does not hold", "not decided"
@@ -36,7 +36,7 @@ def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = F
     word = HOLDING.get(holds, NOT_DECIDED)
     link = {HOLDS: "", FAILS: "would hold ", NOT_DECIDED: "would be "}[word]
     sentence = f"{' '.join(filter(None, [allowed.words, total]))} {limit}: {word}"
-    if lifts := fluid_in_words(numbers, index) if allowed.answer == "sealing" else "":
+    if lifts := fluid_in_words(numbers, index, name):
         sentence += f" ({lifts})"
     if brief:
         return sentence
@@ -46,7 +46,9 @@ def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = F
 def limit_in_words(numbers: Numbers, name: str) -> str:
     """Return what is allowed of a number: "of at most 1.08 ml/h"."""
     allowed, limit = ALLOWED_VALUES[name], float(numbers[f"allowed_{name}"])
-    return f"of at {allowed.bound} {unit_of(numbers, allowed.unit).text(limit)}"
+    is_resistance = allowed.unit == "Ohm"  # has a prefix of its own, as each total
+    text = quantity(limit, "Ω") if is_resistance else unit_of(numbers, allowed.unit).text(limit)
+    return f"of at {allowed.bound} {text}"
 
 
 def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
@@ -57,7 +59,8 @@ def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
     Examples
     --------
     >>> ends = {"temperature_drop_lower": [0.8], "temperature_drop_upper": [1.2]}
-    >>> _total_in_words({"temperature_drop": [1.0]} | ends, "temperature_drop", 0)
+    >>> joint = {"mean_pressure": [1e6], "temperature_drop": [1.0]}
+    >>> _total_in_words(joint | ends, "temperature_drop", 0)
     '1.00 ± 0.20 K'
     """
     totals = {
@@ -65,15 +68,14 @@ def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
         for total in ALLOWED_VALUES[name].numbers
         if total in TOTALS and total in numbers
     }
-    lifted = ALLOWED_VALUES[name].answer == "sealing" and is_lifted(numbers)[index]
-    if lifted or not totals or not max(totals) > 0:
+    if is_lifted(numbers, name)[index] or not totals or not max(totals) > 0:
         return ""
     unit = unit_of(numbers, ALLOWED_VALUES[name].unit)
     return f"{number_text(numbers, totals[max(totals)], unit, index)} {unit.symbol}"
 
 
-def fluid_in_words(numbers: Numbers, index: int) -> str:
-    """Return that a fluid lifts the bodies at a load; empty where it does not.
+def fluid_in_words(numbers: Numbers, index: int, name: str = "leak") -> str:
+    """Return that a fluid lifts the bodies at a load; empty where it does not what an allowed value is of.
 
     Examples
     --------
@@ -81,7 +83,7 @@ def fluid_in_words(numbers: Numbers, index: int) -> str:
     >>> [fluid_in_words(seal, index) for index in range(2)]
     ['the fluid, at 0.500 MPa, lifts the bodies', '']
     """
-    if not is_lifted(numbers)[index]:
+    if not is_lifted(numbers, name)[index]:
         return ""
     return f"the fluid, at {load_in_words(float(numbers['fluid_pressure']), numbers)[1]}, lifts the bodies"
 
@@ -121,10 +123,11 @@ def _load_in_words(numbers: Numbers, name: str) -> str:
     if np.isnan(crossing):
         sentence = "below the loads solved" if rises else "beyond the loads solved"
     elif rises:
-        at_all = crossing == loads.max() and not upper > 0
-        sentence, interval = f"up to {text(crossing)}", "" if at_all else interval
-        sentence += " at least" if at_all else ""
-    elif crossing == loads.min() and lower == 0:
+        sentence = f"up to {text(crossing)}"
+        if crossing == loads.max() and not upper > 0:
+            sentence += " at least"
+            interval = f"decided up to {text(lower)}" if 0 < lower < crossing else ""
+    elif crossing == loads.min() > lower and lower <= lifting_pressure(numbers, name):
         sentence = f"from {text(crossing)} or less on"
         interval = f"decided from {text(upper)} on" if upper > crossing else ""
     else:

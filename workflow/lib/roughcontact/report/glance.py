@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import (
+    ALLOWED_VALUES,
     ANSWERS,
     AREA,
     ASKED_BY,
@@ -467,7 +468,8 @@ def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
                 has_interval = main.details != _NO_INTERVAL
                 details.append(_unbroken(numbers, resistance, units, index) if has_interval else cell.text)
             total = f"total_{'electrical' if name.startswith('electrical') else 'thermal'}_resistance"
-            if "joint_area" in numbers and total in numbers:
+            allowed = [ALLOWED_VALUES[key].numbers for key in stated_allowed(numbers, "conductance")]
+            if "joint_area" in numbers and total in numbers and (total,) not in allowed:
                 details.append(f"{_unbroken(numbers, total, units, index)} {_OF_JOINT}")
             return main._replace(details="; ".join(details))
     return Cell(NOT_JUDGED)

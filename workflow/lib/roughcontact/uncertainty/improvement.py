@@ -80,7 +80,7 @@ def planning_line(statistics: xr.Dataset) -> str:
         return f"{counted_noun(places, 'place')} {_of_which_size(statistics, subject.name)} in all"
     if shared_error >= _PLANNED:
         largest = max(widths, key=widths.__getitem__)
-        width = f"is ± {percent(shared_error)}" if math.isfinite(shared_error) else "has no bound"
+        width = f"is ± {percent(shared_error, digits=2)}" if math.isfinite(shared_error) else "has no bound"
         return f"no number of places, the {largest} alone {width}"
     return f"more than {_MAX_MAPS} places {_of_which_size(statistics, subject.name)}"
 
@@ -148,7 +148,7 @@ def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
                 shared_error, _by_the_bank(table()["overview_promise"], of_window, subject.value)
             )
             if promised < _WORTHWHILE * half_width:
-                text = f"{_OVERVIEW} (to about ± {percent(promised)})"
+                text = f"{_OVERVIEW} (to about ± {percent(promised, digits=2)})"
                 advice["window"] = f"{text}, or {advice['window'].removeprefix('measure ')}"
     by_size = sorted(widths, key=widths.__getitem__, reverse=True)
     actions = [*first_steps]
@@ -249,5 +249,5 @@ def _more_places(subject: _Subject, shared_error: float, of_windows: Sequence[fl
     if maps is None:
         return "measure more places"
     half_width = half_width_of_mean(of_windows, maps, shared_error, subject.name)
-    text = f" (their mean: to about ± {percent(half_width)})" if half_width < 1 else ""
+    text = f" (their mean: to about ± {percent(half_width, digits=2)})" if half_width < 1 else ""
     return f"measure {counted_noun(maps - 1, 'more place')} {size}{text}"
