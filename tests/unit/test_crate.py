@@ -136,6 +136,18 @@ def test_a_crate_packs_what_the_run_has_read_as_it_has_read_it(run, changed, wor
     assert not list(packed.rglob("id_rsa"))
 
 
+@pytest.mark.parametrize("name", ["run_inputs", "ground/panel.html", "key.txt"])
+def test_a_link_to_elsewhere_goes_into_no_crate(results, tmp_path, name):
+    """What copies or packs the folder would follow it."""
+    pytest.importorskip("rocrate")
+    (tmp_path / "elsewhere").mkdir()
+    (results / name).unlink(missing_ok=True)
+    (results / name).symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(InputFileError, match=f"{name}: is a link, whose target an archive would hold"):
+        write_crate(results, configuration=tmp_path / "c.yaml")
+    assert not list((tmp_path / "elsewhere").iterdir())
+
+
 def test_the_crate_says_whose_it_is(results):
     pytest.importorskip("rocrate")
     address = "https://orcid.org/0000-0002-1825-0097"

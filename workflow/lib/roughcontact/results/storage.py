@@ -330,6 +330,14 @@ def _attributes(entry: "netCDF4.Dataset | netCDF4.Variable") -> dict[str, Any]:
     return {key: entry.getncattr(key) for key in entry.ncattrs() if key != "_FillValue"}
 
 
+def read_attributes(path: str | Path) -> dict[str, Any]:
+    """Return the attributes of one of the project's own result files, whose variables are not read."""
+    from netCDF4 import Dataset
+
+    with _readable(path), Dataset(path) as file:
+        return _attributes(file)
+
+
 @contextmanager
 def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
     """Open one of the project's own result files, to read a part of it.
@@ -365,6 +373,8 @@ def _readable(path: str | Path) -> Iterator[None]:
     seal_size = 0
     try:
         seal_size = check_seal(path)
+        if not Path(path).is_file():  # the library would wait for a pipe
+            raise OSError("no regular file")
         yield
     except (RoughContactError, ImportError):
         raise

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.errors import InputFileError, SettingsError
-from roughcontact.results.storage import opened_dataset, write_text
+from roughcontact.results.storage import opened_dataset, read_attributes, write_text
 from roughcontact.study.inputs import FOLDER as INPUTS
 from roughcontact.study.inputs import copy_inputs
 from roughcontact.study.places import stale_results
@@ -128,9 +128,10 @@ def write_crate(
 
 
 def _check_results(folder: Path) -> None:
-    """Raise an InputFileError where results of an earlier run would go into the crate."""
-    with opened_dataset(folder / "statistics.nc") as dataset:
-        bands = json_attribute(dataset.attrs, "bands")
+    """Raise an InputFileError where results of an earlier run, or other files, would go into the crate."""
+    if link := next((path for path in folder.rglob("*") if path.is_symlink()), None):
+        raise InputFileError(f"{link}: is a link, whose target an archive would hold; remove it")
+    bands = json_attribute(read_attributes(folder / "statistics.nc"), "bands")
     results = [str(Path(case, surface)) for case, surfaces in bands.items() for surface in surfaces]
     if stale := stale_results(results, folder):
         raise InputFileError(

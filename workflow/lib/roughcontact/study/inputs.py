@@ -9,7 +9,7 @@ from pathlib import Path
 from roughcontact.arguments.bodies import relaxation_table
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.guards import sha256
-from roughcontact.results.storage import opened_dataset, write_text
+from roughcontact.results.storage import read_attributes, write_text
 from roughcontact.study.plan import Plan
 from roughcontact.study.study import read_study
 from roughcontact.study.surfaces import OVERVIEW, PAIR, find, read_table, separate_files, table_text
@@ -35,8 +35,7 @@ def copy_inputs(results: Path, configuration: Path, read_checksums: set[str]) ->
     with chdir(search_path[0]):
         plan = Plan(*read_study(config, [".", search_path[1]], measured_in=["."], origin=str(configuration)))
     for result in plan.results:
-        with opened_dataset(results / result / "statistics.nc") as statistics:
-            settings_of_result = json.loads(statistics.attrs["settings"])
+        settings_of_result = json.loads(read_attributes(results / result / "statistics.nc")["settings"])
         if settings_of_result != json.loads(json.dumps(plan.settings("statistics", result))):
             raise InputFileError(f"{result}: its settings, or its row, have changed; repeat the run first")
     table = find(plan.common["surfaces"], search_path) or Path()
