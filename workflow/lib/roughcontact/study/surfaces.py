@@ -58,7 +58,7 @@ BEFORE = "before"  # the same place before something was done to it: their diffe
 GROUP, SPECIMEN, TILES = "group", "part", "parts"
 _NAMES_OF_OTHERS = ("path", PAIR, OVERVIEW, "channel")  # as files and instruments call them
 _OF_OVERVIEWS = ("unit", "height_unit", "first_row", "missing_value", "ignore_lines", "resample", "checksum")
-_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]")  # and bytes of a name that are no text
 _QUOTED = re.compile(r'"(?:[^"]|"")*"')
 CHOICES = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow, "lay": LayInGroup}
 _OWN = (GROUP, SPECIMEN, TILES, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT, OVERVIEW, OVERVIEW_POSITION)
@@ -328,7 +328,8 @@ def _cells(line: str) -> list[str]:
 def table_text(rows: Sequence[Mapping[str, str]]) -> str:
     r"""Return the text of a table with the columns that have a cell in any of the rows.
 
-    Names in and of files stay as they are, if necessary in quotes; control characters in one are refused.
+    Names in and of files stay as they are, if necessary in quotes; control characters, and bytes that are no
+    text, are refused.
 
     Examples
     --------
@@ -345,7 +346,9 @@ def _written(column: str, cell: str) -> str:
     """Return a cell of a column as it stands in a table."""
     cell = cell if column in _NAMES_OF_OTHERS else cell.strip()
     if _CONTROL.search(cell):
-        raise SettingsError(f"{column} = {cell!r}: no cell has a tab or another control character; rename it")
+        raise SettingsError(
+            f"{column} = {cell!r}: no cell has control characters, tabs or bytes that are no text; rename it"
+        )
     return cell if _cells(cell) == [cell] else '"' + cell.replace('"', '""') + '"'
 
 

@@ -29,7 +29,7 @@ from roughcontact.io.inspection import inspect_heights
 from roughcontact.io.read import read_height_map
 from roughcontact.io.request import FILE_OPTIONS, Request
 from roughcontact.report.colours import coloured
-from roughcontact.study.surfaces import find
+from roughcontact.study.surfaces import find, table_text
 
 MEASURED = Path("measured")  # where dropped files go
 OPTIONS = {name.replace("-", "_"): name for name in FILE_OPTIONS}
@@ -158,6 +158,7 @@ def further(paths: Sequence[str], rows: Sequence[Row]) -> tuple[list[Row], str]:
     files, omissions = collect_files(paths)
     present = {row.get("path") for row in rows}
     new = rows_of([file for file in files if file not in present], present=rows)
+    table_text(new)  # names that no table holds no page does
     known = f", {len(files) - len(new)} there already" if len(files) > len(new) else ""
     left_out = f"; left out, as no measurements: {', '.join(omissions)}" if omissions else ""
     return new, f"{len(new)} added{known}{left_out}"

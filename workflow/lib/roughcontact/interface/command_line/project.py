@@ -3,6 +3,7 @@
 import re
 import unicodedata
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -105,14 +106,15 @@ def rows_of(
 
 
 def surface_names(files: Sequence[str | Path]) -> list[str]:
-    """Return a different admitted name of a surface for each file."""
+    """Return a different admitted name of a surface for each file, capitals alone being no difference."""
     from roughcontact.arguments.settings.messages import name_mistake
 
-    names: list[str] = []
+    names: dict[str, str] = {}  # by themselves in small letters
     for file in files:
         letters = unicodedata.normalize("NFC", Path(file).stem)  # macOS writes ü as two
         stem = re.sub(r"[\W_]+", "-", letters)[:_MAX_STEM_LENGTH].strip("-")
         stem = "surface" if name_mistake(stem) else stem
         further = (f"{stem}-{number}" for number in range(2, len(files) + 2))
-        names.append(stem if stem not in names else next(name for name in further if name not in names))
-    return names
+        name = next(name for name in chain([stem], further) if name.lower() not in names)
+        names[name.lower()] = name
+    return [*names.values()]
