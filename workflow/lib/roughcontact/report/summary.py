@@ -7,6 +7,8 @@ from typing import TypedDict, cast, get_origin
 from roughcontact.errors import InputFileError
 from roughcontact.results.storage import write_text
 
+_MAX_BYTES = 2**20
+
 
 class Summary(TypedDict):
     """The content of `panel.json`."""
@@ -37,7 +39,8 @@ def read_summary(panel: str | Path) -> Summary:
     """Return the summary of a panel; `InputFileError` where its file is missing or damaged."""
     path = Path(panel).with_suffix(".json")
     try:
-        result = json.loads(path.read_text(encoding="utf-8"))
+        is_small = path.is_file() and path.stat().st_size < _MAX_BYTES
+        result = json.loads(path.read_text(encoding="utf-8") if is_small else "")
     except (OSError, ValueError, RecursionError) as error:
         raise InputFileError(f"{path}: no summary of a panel; delete {panel} and run again") from error
     kinds = {key: get_origin(kind) or kind for key, kind in Summary.__annotations__.items()}

@@ -27,6 +27,11 @@ def template(name: str, *, folder: Path | None = None) -> "jinja2.Template":
     return _environment(folder).get_template(name)
 
 
+def script_digests() -> str:
+    """Return the scripts of the pages as a Content-Security-Policy names them."""
+    return _digests("".join(template(name).render() for name in ("figures.html", "sort.html")))
+
+
 def read_all() -> None:
     """Compile every template, which takes longer than to fill it: for the forks of this process."""
     environment = _environment(None)

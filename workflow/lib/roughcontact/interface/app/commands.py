@@ -16,7 +16,7 @@ from roughcontact.interface.app import measurements
 from roughcontact.interface.app.study import check_within_study
 from roughcontact.interface.command_line.saving import EXPORTS
 from roughcontact.report.summary import Summary, read_summary
-from roughcontact.results.storage import opened_dataset
+from roughcontact.results.storage import read_attributes
 from roughcontact.study.checksums import checksum
 from roughcontact.study.plan import Plan
 from snakemake_logger_plugin_roughcontact.screen import BAR, ERASE
@@ -87,8 +87,9 @@ def _summary(panel: Path) -> Mapping[str, Any]:
 @cache
 def _origin(path: Path, _: int) -> str:
     """Return the origin of a result of a given age; empty where it cannot be read."""
-    with suppress(OSError, ValueError), measurements.READING, opened_dataset(path) as statistics:
-        return origin_id(str(statistics.attrs.get("settings")), str(statistics.attrs.get("source_sha256")))
+    with suppress(OSError, ValueError), measurements.READING:
+        attrs = read_attributes(path)
+        return origin_id(str(attrs.get("settings")), str(attrs.get("source_sha256")))
     return ""
 
 
@@ -100,7 +101,8 @@ def export(result: str, form: str, before: str, *, plan: Plan | None) -> tuple[P
     if not {result, before} <= {*results(plan)} or form not in EXPORTS:
         raise SettingsError(f"{result}, {before}, {form}: are no results of this study, or no form of them")
     folders = {"folder": RESULTS / result, "before": RESULTS / before}
-    arguments = EXPORTS[form][1].format(**folders, output=f"exports/{result.replace('/', '-')}").split()
+    output = f"exports/{result.replace('/', '-')}"
+    arguments = [word.format(**folders, output=output) for word in EXPORTS[form][1].split()]
     check_within_study(RESULTS, Path("exports"))
     process = run([*_PROGRAM, *arguments], capture_output=True, text=True, check=False)
     command = shlex.join(["roughcontact", *arguments])

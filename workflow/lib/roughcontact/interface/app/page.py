@@ -1,6 +1,5 @@
 """What each button of the page does, and the page after it."""
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -56,11 +55,10 @@ class Page:
 
     def with_bar(self, report: Path, home: str) -> str:
         """Return a page of the results below the bar of this one, which lies at `home`."""
-        # before the policy of the report, which admits no style but its own
-        style = f"<head><style>{(FOLDER / 'bar.css').read_text(encoding='utf-8')}</style>"
-        text = report.read_text(encoding="utf-8", errors="replace").replace("<head>", style, 1)
-        bar = self._filled(_BAR, home=home)
-        return re.sub("<body[^>]*>", lambda body: body[0] + bar, text, count=1)
+        style = (FOLDER / "bar.css").read_text(encoding="utf-8")
+        text = report.read_text(encoding="utf-8", errors="replace")
+        # before all of the report, which may be of anybody: nothing in it is left open around the bar
+        return f"<!DOCTYPE html><style>{style}</style>{self._filled(_BAR, home=home)}{text}"
 
     def compared(self, result: str) -> str:
         """Return the page of what a result may be compared with."""

@@ -28,17 +28,19 @@ from roughcontact.interface.app import commands
 from roughcontact.interface.app.measurements import cut, save_upload, whole
 from roughcontact.interface.app.page import FOLDER, Page
 from roughcontact.interface.app.study import check_within_study, error_in_words
+from roughcontact.report.template import script_digests
 from roughcontact.study.run_lock import lock_file
 
 _TRIES = 75  # of 20 ms, in which a page that is closed says so
 _MAX_CONNECTIONS = 40  # with three times those accepted at once fewer than the files a process may open
 _LOCK, _OPENING = Path(".snakemake/page"), Path(".snakemake/page.html")
-_POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+_NOTHING = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+_POLICY = f"{_NOTHING}; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'"
+# a report may be of another's study: its scripts, which would read the token in the address, do not run
+_POLICY_OF_RESULTS = (
+    f"{_NOTHING}; sandbox allow-scripts allow-popups allow-downloads; img-src data:; "
+    f"style-src 'unsafe-inline'; script-src {script_digests()}"
 )
-# a report, which may be of another's study, is an origin of its own: its scripts reach nothing here
-_POLICY_OF_RESULTS = "sandbox allow-scripts allow-popups allow-downloads; frame-ancestors 'none'"
 _HEADERS = {
     "Cache-Control": "no-store",
     "Cross-Origin-Resource-Policy": "same-origin",
