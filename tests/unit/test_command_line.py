@@ -389,6 +389,15 @@ def run(*command):
     )
 
 
+def test_a_mark_that_turns_the_direction_of_a_name_is_shown_as_an_escape(tmp_path):
+    path = tmp_path / "a\u202ecod.txt"
+    path.write_text("Width: 4 um\nHeight: 2 um\nValue units: nm\n1 2 3 4\n5 6 7 8\n")
+    for command in (["inspect", path], ["inspect", path, "--json"], ["inspect", f"{path}\u2067"]):
+        process = run("-m", "roughcontact.interface", *command)
+        assert "a\\u202ecod.txt" in process.stdout + process.stderr
+        assert not {*"\u202e\u2067"} & {*process.stdout, *process.stderr}
+
+
 def test_no_bar_where_nobody_looks(small):
     options = ["--contact-modulus", "1e9", "--mean-pressure", "1e5", *NO_BUDGET]
     process = run("-m", "roughcontact.interface", "solve", small, *options)

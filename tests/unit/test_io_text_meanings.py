@@ -225,7 +225,19 @@ def test_words_of_validity_do_not_hide_a_marker(read, refused):
     refused(f"{STEPS}Z unit: nm\nno signal -> -2500\n{cells(table)}", "there are 2 points with that height")
 
 
-@pytest.mark.parametrize("line", ["Zoom: 1", "Objective 50x", "Factor 1.0", "Operator: Bas", "12:01:30"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("Zoom: 1", "Objective 50x", "Factor 1.0", "Operator: Bas", "12:01:30", "Integral gain: 0.5"),
+        *(
+            "Messrichtung: quer zur Walzrichtung",
+            "Sens de mesure : aller",
+            "Direzione: avanti",
+            "Slope removed",
+        ),
+        *("Spring constant 40 N/m", "Cut-off (mm): 0.8", "Steigung abgezogen", "Camera gain: 12 dB"),
+    ],
+)
 def test_usual_lines_of_a_header_cause_no_warning(read, line):
     assert "line 4" not in warnings_of(read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}"))
 
@@ -344,3 +356,45 @@ def test_words_beside_an_entry_that_may_concern_the_map_are_not_skipped(refused)
 def test_units_of_other_columns_in_a_line_of_units(read, unit):
     table = np.column_stack([points(ONE, 0.5, 0.25), np.full(ONE.size, 7)])
     is_right(read(f"X;Y;Z;Intensity\nµm;µm;nm;{unit}\n{cells(table, ';')}"), ONE)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("Alle Angaben in mm", "Position in mm, height in µm", "x in mm, z in µm", "x/mm z/µm", "mm, µm"),
+        *("[mm] [µm]", "x [mm]", "X in Millimetern", "step 0.5 mm", "Slope profile", "Gegenrichtung; zurück"),
+        *("Gain x10", "taken " + "again " * 12 + "backwards"),
+    ],
+)
+def test_a_line_above_headings_that_they_do_not_agree_with_is_said(read, line):
+    table = cells(np.column_stack([np.arange(10.0) / 2, ONE[0]]), ";")
+    height = read(f"{line}\nx [µm];z [nm]\n{table}")
+    holds(height, 1e-9 * ONE[:1], 0.5e-6, rtol=1e-12)
+    assert f"line 1 says {line[:60]!r}, which is not used: check" in warnings_of(height)
+    assert "line" not in warnings_of(read(f"x: µm, z: nm\nx [µm];z [nm]\n{table}"))
+
+
+@pytest.mark.parametrize(
+    ("text", "z"),
+    [
+        ("Punktabstand: 0,5 µm\nHöhe [nm]\n" + cells(ONE[:1].T + 20).replace(".", ","), ONE[:1] + 20),
+        (
+            "Scan Length,4.5,um\nX (um),Z (nm)\n"
+            + cells(np.column_stack([np.arange(10) / 2, np.arange(10)]), ","),
+            [range(10)],
+        ),
+        (
+            "# units: nm\n# format: x y z\n"
+            + cells(np.column_stack([500.0 * np.arange(10), 0 * ONE[0], ONE[0]])),
+            ONE[:1],
+        ),
+    ],
+)
+def test_profiles_whose_header_says_how_they_are_written(read, text, z):
+    height = read(text)
+    np.testing.assert_allclose(height.values, 1e-9 * np.asarray(z), rtol=1e-12)
+    assert float(height.x[1] - height.x[0]) == pytest.approx(0.5e-6, rel=1e-9)
+
+
+def test_steps_in_double_precision_of_fortran(read):
+    is_right(read(f"dx = 0.5D-06 m   dy = 0.2500D-06 m\n高さデータ[nm]\n{ROWS}"))

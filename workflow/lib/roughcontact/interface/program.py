@@ -7,6 +7,7 @@ error), 130 interrupted, 143 terminated, 141 the reader of the output has closed
 import argparse
 import errno
 import os
+import re
 import shlex
 import sys
 import warnings
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _BROKEN_PIPE = 141  # exit status that a shell reports for a program ended by SIGPIPE
+_TURNING = re.compile("[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")  # by Unicode's UAX 9
 _DESCRIPTION = (
     "True contact area and contact pressures of measured surfaces: of one map, or of a whole study."
 )
@@ -72,6 +74,20 @@ the jobs without running them, --cores 1 uses a single core, --configfile FILE t
 config/config.yaml, --directory FOLDER works there."""
 
 
+class _Escaping:
+    """A stream that shows the marks that turn the direction of a text, as of a file's name, as escapes."""
+
+    def __init__(self, stream: Any) -> None:
+        self._stream = stream
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        """Write a text."""
+        return int(self._stream.write(_TURNING.sub(lambda mark: f"\\u{ord(mark[0]):04x}", text)))
+
+
 class _Parser(argparse.ArgumentParser):
     """A parser that reports errors in single sentences."""
 
@@ -86,6 +102,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the program and return its exit code, one of those at the head of this module."""
     if arguments is None:  # the process is this program's own
         collect_rarely()
+        sys.stdout, sys.stderr = map(_Escaping, (sys.stdout, sys.stderr))
         arguments = sys.argv[1:]
     try:
         if arguments[:1] == ["run"] and not {"-h", "--help"} & set(arguments):

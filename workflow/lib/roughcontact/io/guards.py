@@ -142,12 +142,13 @@ def unchanged(path: Path) -> Iterator[None]:
             raise InputFileError("changed while it was read; wait until it is complete, and read it again")
 
 
-def check_points(shape: tuple[int, int]) -> None:
-    """Refuse a map (ny, nx) of more than 2²⁷ points, or than this computer can hold, before it is read."""
-    ny, nx = shape
-    if ny * nx > MAX_POINTS:
-        raise InputFileError(f"{ny} x {nx} points, more than the {MAX_POINTS} that are read; crop the map")
-    check_memory(ny * nx * BYTES_PER_POINT, f"{ny} x {nx} points")
+def check_points(shape: tuple[int, int], *, layers: int = 1) -> None:
+    """Refuse maps (ny, nx) of more than 2²⁷ points, or than this computer can hold, before they are read."""
+    (ny, nx), total = shape, layers * shape[0] * shape[1]
+    points = f"{layers} layers of {ny} x {nx} points" if layers > 1 else f"{ny} x {nx} points"
+    if total > MAX_POINTS:
+        raise InputFileError(f"{points}, more than the {MAX_POINTS} that are read; crop the map")
+    check_memory(total * BYTES_PER_POINT, points)
 
 
 def check_count(channels: int) -> None:

@@ -17,7 +17,7 @@ from roughcontact.arguments.quantities import counted_noun, quantity
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile
 from roughcontact.io.request import Request
-from roughcontact.io.text.header import NUMBER, number_and_rounding
+from roughcontact.io.text.header import LONGEST_QUOTE, NUMBER, number_and_rounding
 from roughcontact.io.units import is_length, metres
 from roughcontact.io.vocabulary import pattern, rows_of, words
 
@@ -34,6 +34,7 @@ _QUANTITY = re.compile(rf"(?:(?P<number>(?>{NUMBER.pattern}))\s*|(?<!\w))(?P<uni
 _SIDES = re.compile(
     rf"(?<![\w.,])((?>{NUMBER.pattern}))\s*(?:[x×*/,;|]|by)\s*((?>{NUMBER.pattern}))\s*([^\W\d_]+)"
 )
+_PER = re.compile(r"\d\s*[^\W\d_]+\s*/\s*\Z")  # before a unit, as in 40 N/m
 _SPEED = re.compile(r"\s*/\s*(?:s|sec|min|h)\b")
 _PLAIN = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 _TOLERANCE = re.compile(r"(?:\+/-|±)\s*[\d.,]+\s*\w*")
@@ -77,7 +78,7 @@ def parse_lengths(text: str) -> list[Length]:
         unit, number = match["unit"], match["number"]
         if not is_length(unit) or (unit == "in" and not number):
             loose += [number] if number else []
-        elif not _SPEED.match(text, match.end()):
+        elif not _SPEED.match(text, match.end()) and not _PER.search(text, 0, match.start()):
             quantities.append((number, unit))
     remainder = _QUANTITY.sub(" ", text)
     loose += [match[0] for match in NUMBER.finditer(remainder)]
@@ -100,7 +101,7 @@ def open_lines(channel: Channel, request: Request) -> Iterator[tuple[str, list[L
     for number, text in channel.unused:
         lengths = parse_lengths(text)
         if lengths and number not in exempt and "elsewhere" not in _matters(text):
-            yield f"line {number} says {text!r}", lengths
+            yield f"line {number} says {text[:LONGEST_QUOTE]!r}", lengths
 
 
 def quoted(channel: Channel, request: Request) -> str:
@@ -194,11 +195,13 @@ def lines_not_used(
     # whole numbers may be counts, for which a factor that nobody applied is fatal
     is_integer = bool(finite.size) and "factor" not in channel.sources and not np.any(finite % 1)
     extremes = [finite.min(), finite.max(), np.ptp(finite), 1.0] if finite.size else []
-    sides = [dx, dy, nx * dx, ny * dy]
+    sides = [dx, dy, nx * dx, ny * dy, (nx - 1) * dx, (ny - 1) * dy]
     lengths_used = [*sides, *(height_factor * height for height in extremes)]
     stated_above = not request.has_steps(channel.shape) and any(
         "line" in channel.sources.get(step, "") for step in ("dx", "dy")
     )
+    has_positions = "positions" in channel.sources.values()
+    lateral_factor = metres(unit) if is_length(unit := channel.lateral_unit or request.unit) else None
     texts = {"dx": quantity(dx, "m"), "dy": quantity(dy, "m")}
     exempt, listing, notes = ignored_lines(request), [], []
     frequent = set() if is_integer else _frequent(finite)
@@ -206,7 +209,7 @@ def lines_not_used(
         lengths = parse_lengths(text)
         values = [float(match) for match in _PLAIN.findall(text.replace(",", "."))]
         if lengths or values:
-            listing.append(f"line {number}: {text}")
+            listing.append(f"line {number}: {text[:LONGEST_QUOTE]}")
         if number in exempt:
             continue
         matters = _matters(text)
@@ -227,10 +230,16 @@ def lines_not_used(
         marker_count = int(np.count_nonzero(finite == values[-1])) if values and may_be_marker else 0
         if is_limit and not beyond_count and not marker_count:
             continue
-        other_unit = "lateral" not in matters and any(
-            length.bare and metres(length.unit) != height_factor and not length.agrees(lengths_used)
+        bare = {
+            metres(length.unit)
             for length in lengths
-        )
+            if length.bare
+            and not length.agrees(lengths_used)
+            # the number of a lens, a filter ... is none of the map; a unit alone may be that of all numbers
+            and ("elsewhere" not in matters or length.value != length.value)
+        }
+        own = lateral_factor if "lateral" in matters else height_factor
+        other_unit = bare and own and (own not in bare or not bare <= {lateral_factor, height_factor})
         is_denied = _DENIED.search(text)
         # what the line may concern, as in the table of doubts
         applies = {
@@ -244,7 +253,10 @@ def lines_not_used(
             "fraction": "fraction" in matters and lengths,
             "scaled": "scaled" in matters and not {*values} <= {0.0, 1.0},
             "pixels": not is_denied and "pixels" in matters and values != [1],
-            "size": contradicts or strange_count or (strange_points and is_count),
+            "size": contradicts
+            or (has_positions and strange and "step" in matters)
+            or strange_count
+            or (strange_points and is_count),
             "unit": other_unit,
         }
         # a line is quoted once
@@ -252,7 +264,7 @@ def lines_not_used(
             keys, words_of_doubt = doubt
             count = beyond_count or marker_count
             points = f"there {'is' if count == 1 else 'are'} {counted_noun(count, 'point')}"
-            sentence = words_of_doubt.format(number=number, text=text, points=points, **texts)
+            sentence = words_of_doubt.format(number=number, text=text[:LONGEST_QUOTE], points=points, **texts)
             if keys:
                 raise InputFileError(sentence, keys=keys)
             notes.append(sentence)

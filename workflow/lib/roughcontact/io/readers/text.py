@@ -24,7 +24,15 @@ from roughcontact.io.sources import parse_lengths
 from roughcontact.io.text.axes import are_points, begins_anew, find_axes, form_a_grid, uneven, wrapped
 from roughcontact.io.text.columns import Column, are_map_columns, headed, layout, miscounted, unit_of_heights
 from roughcontact.io.text.doubts import refuse_lost_row, thousands
-from roughcontact.io.text.header import LENGTHS, Stated, Statement, contradiction, disagreeing, statements
+from roughcontact.io.text.header import (
+    LENGTHS,
+    LONGEST_QUOTE,
+    Stated,
+    Statement,
+    contradiction,
+    disagreeing,
+    statements,
+)
 from roughcontact.io.text.lines import looks_like_text, read_text
 from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import Dialect, Rows, Table, left_out, parse_table, split_text
@@ -42,7 +50,7 @@ _COMPUTED = re.compile(  # headings of heights that were multiplied, turned, or 
 _SQUARE = pattern("aside", "square")  # names of the step of both axes
 _NAMED, _LENGTH, _UNKNOWN, _NO_HEIGHT = range(4)  # ranks of columns of heights
 _MAX_LINES = 1000  # lines above a table that are searched for other statements
-_LONGEST_LINE, _LONGEST_QUOTE = 200, 60  # characters of such a line, and of what is shown of it
+_LONGEST_LINE = 200  # characters of such a line
 _MAX_DISTANCE = 20  # lines above the table among which may be a heading with a unit
 _SIDE = {axis: pattern("side", axis) for axis in "xy"}
 _KEYENCE = -99999.9999  # that VR and VK series write for a missing point
@@ -96,7 +104,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     # from the table upwards: of several headings the nearest is that of the heights
     headings = ((each, unit_of_heights(each[1])) for each in rows.filled[: -_MAX_DISTANCE - 1 : -1])
     for (number, line), unit in [heading for heading in headings if heading[1]][:1]:
-        statement = Statement(unit, line=number, text=line.strip()[:_LONGEST_QUOTE])
+        statement = Statement(unit, line=number, text=line.strip()[:LONGEST_QUOTE])
         by_meaning.setdefault("height_unit", []).append(statement)
     # a row above the table that a word keeps out of it would be a line of the map that is lost
     refuse_lost_row(rows, width, dialect)
@@ -161,14 +169,23 @@ def _unused(
     groups = (group for meaning, group in by_meaning.items() if meaning not in ("length", "size", "factor"))
     used = Counter(statement.line for group in groups for statement in group)
     return [
-        (number, line.strip()[:_LONGEST_QUOTE])
+        (number, line.strip())
         for number, line in rows.filled[:_MAX_LINES]
         # a line of which only a part was understood is open for the rest of it
         if (number not in used or len(parse_lengths(line)) > used[number])
         and len(line) <= _LONGEST_LINE
-        and not (columns and headed([line], len(columns), delimiter))
+        and not _names(columns or [], line, delimiter)
         and not unit_of_heights(line)
     ]
+
+
+def _names(columns: list[Column], line: str, delimiter: str | None) -> bool:
+    """Return whether a line has the names of some columns, or their units; others may be as many words."""
+    cells = headed([line], len(columns), delimiter) if columns else None
+    pairs = zip(cells or (), columns, strict=False)
+    return cells is not None and all(
+        cell.name in ("", column.name) and cell.unit in (None, column.unit) for cell, column in pairs
+    )
 
 
 def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:

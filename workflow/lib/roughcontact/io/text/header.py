@@ -69,10 +69,11 @@ _BETWEEN_SIDES = re.compile(
 )
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
 _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:p[ií]xel|pix|px|point|pt|sample)s?$", re.IGNORECASE)
+_FORTRAN = re.compile(r"(\d\.\d*)[dD]([-+]\d\d)(?!\w)")  # double precision, 1.5D-03
 _CAMERA = pattern("aside", "camera")
 _HEIGHT_WORDS = "|".join(words("header")["height"] + words("part")["height"])
 _HEIGHT_WORD = re.compile(rf"\W*(?:{_HEIGHT_WORDS})\b", re.IGNORECASE)
-_LONGEST = 60  # characters of a line that a message shows
+LONGEST_QUOTE = 60  # characters of a line that a message shows
 _AMBIGUOUS = "its mark may be the decimal sign or separate thousands"
 _SLACK, _WIDEST_SLACK = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with rounding
 _ODD_PIXEL = 10.0  # ratio of the sides of a pixel above which two different units of them are doubted
@@ -138,6 +139,7 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
         if not text or len(line) > _MAX_LINE_LENGTH or _CAMERA.search(text):
             continue
         text = re.sub(r"\b(?:d?x\s*=\s*d?y)\s*(?==)", "step ", text)  # "dx = dy = 2 µm"
+        text = _FORTRAN.sub(r"\1e\2", text)
         if re.search("[\"']:", text):  # JSON, or a dict of Python
             text = re.sub("[\"']", "", text.strip("{}, "))
         pieces = _PIECES.split(text) if len(text) < _MAX_PHRASE else [text]
@@ -151,7 +153,7 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
         # all pieces are entries, or the line is one
         is_whole = is_single or (entries and all(entries))
         for meaning, statement in chain(*entries) if is_whole else _parsed(text, sign):
-            located = statement._replace(line=number, text=text[:_LONGEST])
+            located = statement._replace(line=number, text=text[:LONGEST_QUOTE])
             by_meaning.setdefault(meaning, []).append(located)
     return by_meaning
 

@@ -4,7 +4,7 @@ import csv
 import re
 from array import array
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from itertools import chain, islice, takewhile, zip_longest
@@ -112,7 +112,7 @@ class Rows(NamedTuple):
 def split_text(text: str) -> tuple[list[Rows], list[int], Dialect, list[str]]:
     """Return the tables of a text, the numbers of points above the first, the dialect, and notes."""
     header, body = _unquoted(*split_header(text.splitlines()))
-    body, footer, dialect = split_footer(body)
+    body, footer, dialect = split_footer(body, header)
     header, body, remarks = strip_remarks(header, body, dialect)
     last_line = len(header) + len(body)
     notes = [*_left_out_below(footer, last_line + 1), *remarks]
@@ -291,8 +291,8 @@ def _unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]
     return lines[: len(header)], lines[len(header) :]
 
 
-def separators(body: list[str]) -> Dialect:
-    """Return the delimiter of the columns, and whether the decimal sign is a comma."""
+def separators(body: list[str], header: Sequence[str] = ()) -> Dialect:
+    """Return the delimiter of the columns, and whether the decimal sign is a comma, also in the header."""
     sample = [line.strip() for line in body[:50] if is_row(line)]
     text = _DATE.sub("", "\n".join(sample))
     for sign in ";\t":
@@ -312,7 +312,8 @@ def separators(body: list[str]) -> Dialect:
         return Dialect(None, True)
     one_comma = max(line.count(",") for line in sample) == 1
     leading_zero = re.search(r"(?<![\d:-])0\d", text)  # only decimals, dates and times begin so
-    if "." not in text and one_comma and leading_zero:
+    comma_above = any(map(re.compile(r"(?<![\d.,])(?:0,\d+|\d+,\d\d?) ?[^\W\d]").search, header))  # "0,5 µm"
+    if "." not in text and one_comma and (leading_zero or comma_above):
         return Dialect(None, True)
     if "." not in text and (leading_zero or (one_comma and len(sample) > 1)):
         raise InputFileError(
@@ -322,7 +323,7 @@ def separators(body: list[str]) -> Dialect:
     return Dialect(",", False)
 
 
-def split_footer(body: list[str]) -> tuple[list[str], list[str], Dialect]:
+def split_footer(body: list[str], header: Sequence[str] = ()) -> tuple[list[str], list[str], Dialect]:
     """Return a table, the lines of words below it, and how the table is written.
 
     Examples
@@ -333,7 +334,7 @@ def split_footer(body: list[str]) -> tuple[list[str], list[str], Dialect]:
     # upwards: a word among the last rows is one of the table, words below all of them are none
     stop = next((number for number in range(len(body), 0, -1) if is_row(body[number - 1])), len(body))
     table, footer = body[:stop], body[stop:]
-    dialect = separators(table)
+    dialect = separators(table, header)
     width = len(table[-1].strip().split(dialect.delimiter))
     rows = [line for line in footer if line.strip() and word_in_row(line, width, dialect) is not None]
     return (body, [], dialect) if rows else (table, footer, dialect)  # rows with unknown words
