@@ -242,14 +242,17 @@ class TestFiveSteps:
             with pytest.raises(Exception, match="mistakes in") as refused:
                 resolve({"contact": {"bodies": ["steel", "PEEK"], "mean_pressure": [5]}})
             assert message.splitlines()[0] in str(refused.value)
-            assert browser.evaluate("document.querySelector('#start').disabled")
+            assert browser.evaluate("document.querySelector('#start').ariaDisabled") == "true"
             assert message in browser.text("#mistakes")
+            # who presses it all the same reads why it does nothing
+            click(browser, "#start")
+            browser.wait("document.querySelector('#problem').textContent.startsWith('nothing is started')")
             fill(browser, "contact.mean_pressure", "5 MPa")
             # a second load by the plus
             click(browser, "[data-field='contact.mean_pressure'] .more")
             browser.wait("document.activeElement.id === 'contact.mean_pressure.1'")
             browser.type("20 MPa")
-            browser.wait("!document.querySelector('#start').disabled")
+            browser.wait("!document.querySelector('#start').ariaDisabled")
             saved(browser)
             picture(browser, "app-bodies", "#fields")
             # all of it is in the files
@@ -1277,6 +1280,26 @@ class TestPages:
             browser.wait(f"!{mistake_script}")
             assert browser.evaluate(f"[{field}.value, document.activeElement === {field}]") == ["PEEK", True]
 
+    def test_the_focus_stays_when_mistakes_come_and_go_before_it(self, tmp_path, browser):
+        maps(tmp_path / "study/measured", 8)
+        with served(tmp_path / "study") as address:
+            browser.open(address)
+            browser.wait("document.querySelector('#preview pre')")
+            browser.evaluate("document.querySelector('#preview').open = true")
+            fill(browser, "path", "measured")
+            browser.evaluate("document.querySelector('#adding').requestSubmit()")
+            rows_read(browser, 3)
+            for number in (0, 1):
+                fill(browser, f"contact.bodies.{number}.material", "steel")
+            for place in ("#start", "#preview summary"):
+                browser.evaluate(f"document.querySelector('{place}').focus()")
+                for pressure in ("1 apple", ""):
+                    fill(browser, "contact.mean_pressure", pressure)
+                    saved(browser)
+                    assert browser.evaluate("document.querySelector('#mistakes') !== null") == bool(pressure)
+                    assert browser.evaluate(f"document.activeElement.matches('{place}')")
+                    assert browser.evaluate("document.querySelector('#preview').open")
+
     def test_odd_names_of_files(self, tmp_path, browser):
         """Marks of HTML, of shells and of addresses are no more than letters of a name."""
         files = []
@@ -1338,7 +1361,7 @@ class TestPages:
                 browser.type(text)
             saved(browser)
             rows_read(browser, 3)
-            browser.wait("!document.querySelector('#start').disabled")
+            browser.wait("!document.querySelector('#start').ariaDisabled")
             browser.tab_to("#start")
             # from the top of the page no more than forty stops, with three files
             browser.evaluate("document.activeElement.blur(); getSelection().collapse(document.body, 0)")

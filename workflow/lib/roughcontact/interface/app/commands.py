@@ -61,15 +61,16 @@ class Run:
         return {"running": self.running(), "code": code, "lines": lines, "bar": bar}
 
 
-def results(plan: Plan | None) -> dict[str, tuple[Mapping[str, Any], bool]]:
-    """Return the summary of each result of a plan, and whether it is of its settings and measured files.
+def panels(plan: Plan | None) -> dict[str, Path]:
+    """Return the panel of each result of a plan, in the order of the table; of no plan, those of all."""
+    found = {panel.parent.relative_to(RESULTS).as_posix(): panel for panel in RESULTS.rglob("panel.json")}
+    return {name: found[name] for name in (sorted(found) if plan is None else plan.results) if name in found}
 
-    They are in the order of the table. Where no plan is known, all results are those of others.
-    """
-    panels = {panel.parent.relative_to(RESULTS).as_posix(): panel for panel in RESULTS.rglob("panel.json")}
+
+def results(plan: Plan | None) -> dict[str, tuple[Mapping[str, Any], bool]]:
+    """Return the summary of each result, and whether it is of the settings and measured files of the plan."""
     values = {}
-    for name in sorted(panels) if plan is None else filter(panels.get, plan.results):
-        panel = panels[name]
+    for name, panel in panels(plan).items():
         origin = _origin(panel.with_name("statistics.nc"), panel.stat().st_mtime_ns)
         is_current = plan is not None and plan.origin("statistics", name, checksum) == origin
         values[name] = _summary(panel), is_current
@@ -98,7 +99,7 @@ def export(result: str, form: str, before: str, *, plan: Plan | None) -> tuple[P
 
     The file is the working directory where it has none.
     """
-    if not {result, before} <= {*results(plan)} or form not in EXPORTS:
+    if not {result, before} <= panels(plan).keys() or form not in EXPORTS:
         raise SettingsError(f"{result}, {before}, {form}: are no results of this study, or no form of them")
     folders = {"folder": RESULTS / result, "before": RESULTS / before}
     output = f"exports/{result.replace('/', '-')}"

@@ -62,7 +62,7 @@ class Page:
 
     def compared(self, result: str) -> str:
         """Return the page of what a result may be compared with."""
-        return self._filled(_COMPARED, result=result, names=commands.results(self.plan))
+        return self._filled(_COMPARED, result=result, names=commands.panels(self.plan))
 
     def after(self, action: str, form: Mapping[str, str]) -> str:
         """Return the page after the action of a button."""

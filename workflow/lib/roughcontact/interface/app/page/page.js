@@ -5,7 +5,8 @@ const element = id => document.getElementById(id);
 const fields = () => new URLSearchParams([...document.forms].flatMap(form => [...new FormData(form)]));
 let queue = Promise.resolve(), unsaved = 0, steps = 0;
 
-// Makes an element what it is in the answer, but for what was typed into a field, opened, or drawn.
+// Makes an element what it is in the answer, but for what was typed into a field, opened, or drawn. What has an
+// id stays the same element, with its focus, when others appear before it or go.
 function merge(old, now) {
   if (old.isEqualNode(now)) return;
   if (old.nodeName !== now.nodeName || old.id !== now.id || old.nodeName === "#text") return old.replaceWith(now);
@@ -14,9 +15,22 @@ function merge(old, now) {
   for (const name of names)
     if (!now.hasAttribute(name)) old.removeAttribute(name);
     else if (old.getAttribute(name) !== now.getAttribute(name)) old.setAttribute(name, now.getAttribute(name));
-  const children = [...now.childNodes];
-  while (old.childNodes.length > children.length) old.lastChild.remove();
-  children.forEach((child, index) => old.childNodes[index] ? merge(old.childNodes[index], child) : old.append(child));
+  const children = [...now.childNodes], staying = new Set(children.map(child => child.id).filter(Boolean));
+  let place = old.firstChild;
+  for (const child of children) {
+    const same = child.id && [...old.children].find(({ id }) => id === child.id);
+    while (same && place !== same) place = after(place, () => place.remove());
+    if (same || (place && !staying.has(place.id))) place = after(place, () => merge(place, child));
+    else old.insertBefore(child, place);
+  }
+  while (place) place = after(place, () => place.remove());
+}
+
+// What comes after a node, whatever is done with that.
+function after(node, act) {
+  const next = node.nextSibling;
+  act();
+  return next;
 }
 
 async function put(response) {
