@@ -89,6 +89,11 @@ def test_the_page_says_when_it_is_run_in(worn, tmp_path):
         f"heights after {worn['sliding_distance'].values[-1]:.3g} m",
     ]
     assert "contact area over the distance" in part["images"]
+    # where a part of the map has no such distance
+    unknown = {f"running_in_distance_{end}": np.nan for end in ("lower", "upper")}
+    write_dataset(worn.assign(unknown), tmp_path / "worn.nc")
+    (text,) = course_sections("ground", worn, tmp_path, tmp_path)["wear"]["sentences"]
+    assert f"about {middle} m (without ±: a part of the map is not run in after " in text
 
 
 @pytest.mark.parametrize(

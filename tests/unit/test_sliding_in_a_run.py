@@ -198,6 +198,10 @@ def test_the_page_says_where_friction_is_highest(slid, tmp_path):
     (text,) = part["sentences"]
     speed = SPEEDS[int(slid[FRICTION].values.argmax())]
     assert f"the friction of the hysteresis is highest at {speed:.2g}" in text.replace("0.0100", "0.01")
+    at_speed = slid.isel(speed=int(slid[FRICTION].values.argmax()))
+    by_area = (at_speed[f"adhesive_friction_coefficient{end}"] for end in ("", "_lower", "_upper"))
+    middle, low, high = (number(float(value)) for value in by_area)
+    assert f"whose shear strength alone would make μ = {middle} ({low} to {high}). " in text
     assert "Proven: the solver leaves no error of μ above" in text
     assert "Waves up to 4.00 µm, the shortest octave that was measured, make " in text
     assert "The friction warms the contact by less than 10 K at all speeds." in text

@@ -19,7 +19,7 @@ from roughcontact.arguments.variables import describe
 from roughcontact.contact.solve import NEAR_HARDNESS
 from roughcontact.statistics.running_in import run_in
 from roughcontact.uncertainty.combination import symmetric
-from roughcontact.uncertainty.course import Run, components_of, on_scales, with_ends
+from roughcontact.uncertainty.course import Run, causes_of_parts, components_of, on_scales, with_ends
 from roughcontact.uncertainty.inputs import stiffer
 
 DISTANCE = "running_in_distance"
@@ -77,7 +77,8 @@ def worn_in_a_run(
     names = (*ANSWERS, DISTANCE)
     worn, fewer = run(window, tolerance=TOLERANCE, statistics=settings["statistics"]), coarse(window)
     of_steps = components_of(symmetric, abs(on_scales(fewer, names) - on_scales(worn, names)))
-    worn = with_ends(worn, window, coarse, names, settings, as_measured=as_measured, causes=[of_steps])
+    causes = [of_steps, *causes_of_parts(window, coarse, names, settings, as_measured=as_measured)]
+    worn = with_ends(worn, names, causes)
     worn[f"{DISTANCE}_lower"] /= wear["coefficient_factor"]
     worn[f"{DISTANCE}_upper"] *= wear["coefficient_factor"]
     return describe(worn)

@@ -21,7 +21,7 @@ from roughcontact.arguments.variables import describe
 from roughcontact.statistics.precision import widened
 from roughcontact.statistics.sliding import sliding_friction
 from roughcontact.uncertainty.combination import symmetric
-from roughcontact.uncertainty.course import with_ends
+from roughcontact.uncertainty.course import causes_of_parts, causes_of_places, with_ends
 from roughcontact.uncertainty.inputs import HARDNESS, INPUTS
 
 ANSWERS = (FRICTION, AREA, PRESSURE, PEAK, GAP)
@@ -76,18 +76,12 @@ def slid_in_a_run(
         thermal_conductivity=None if None in conductivities else conductivities,
     )
     shares = slid["hysteretic_friction_bound"] / slid[FRICTION], slid["friction_share_beyond_table"]
-    slid = with_ends(
-        slid,
-        window,
-        partial(run, tolerance=COARSE, fields=False),
-        ANSWERS,
-        settings,
-        inputs=_INPUTS,
-        as_measured=as_measured,
-        levelled=levelled,
-        overviews=overviews,
-        causes=[{FRICTION: symmetric(share.values)} for share in shares],
-    )
+    coarse = partial(run, tolerance=COARSE, fields=False)
+    causes = causes_of_parts(window, coarse, ANSWERS, settings, as_measured=as_measured, inputs=_INPUTS)
+    causes += [{FRICTION: symmetric(share.values)} for share in shares]
+    if overviews and levelled is not None:
+        causes += causes_of_places(window, coarse, ANSWERS, levelled, overviews)
+    slid = with_ends(slid, ANSWERS, causes)
     if _BY_AREA in slid:
         by_area = [slid[_BY_AREA] * (slid[f"{AREA}{end}"] / slid[AREA]) for end in ENDS]
         bounds = widened(by_area, ends(1.0, friction.get("shear_strength_uncertainty")))

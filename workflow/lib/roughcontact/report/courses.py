@@ -16,7 +16,7 @@ from roughcontact.arguments.quantities import number, quantity
 from roughcontact.arguments.relaxation import MAX_MISFIT
 from roughcontact.report.charts import COLOURS, DASHED, Axis, Chart, curves_chart, load_label, log_axis
 from roughcontact.report.template import sentence
-from roughcontact.report.units import interval_values, unit_of
+from roughcontact.report.units import interval_values, length_unit, unit_of
 from roughcontact.results.storage import read_dataset
 from roughcontact.statistics.decisions import CLOSED
 
@@ -162,10 +162,11 @@ def _warm_from(over: xr.Dataset) -> tuple[float, float] | None:
 
 def _octaves(highest: xr.Dataset) -> Chart:
     """Draw the share of the friction that each octave of wavelengths makes."""
-    wavelength, shares = highest["octave_wavelength"].values * 1e6, highest["friction_share_of_octave"].values
-    x_axis = log_axis("octave of waves below (µm)", wavelength, room=1.3)
+    wavelength, shares = highest["octave_wavelength"].values, highest["friction_share_of_octave"].values
+    unit = length_unit(float(wavelength.max()))
+    x_axis = log_axis(f"octave of waves up to ({unit.symbol})", wavelength * unit.factor, room=1.3)
     chart = Chart(x_axis, Axis("share of the friction (%)", 0.0, 110 * float(shares.max() or 1.0)))
-    chart.series(0, wavelength, 100 * shares, label="")
+    chart.series(0, wavelength * unit.factor, 100 * shares, label="")
     return chart
 
 
@@ -188,7 +189,6 @@ def _wear(_: xr.Dataset, over: xr.Dataset) -> Part:
         if result in over
     }
     unit = unit_of(before, "m")
-    # finer than atoms nothing is known
     heights = over[[*_HEIGHTS]].where(over[[*_HEIGHTS]] >= CLOSED) * unit.factor
     curves = {f"{name}, {words}": [heights[name].values] for name, words in _HEIGHTS.items()}
     chart = curves_chart(x_axis, distances, f"height ({unit.symbol})", curves)
@@ -204,7 +204,8 @@ def _course_chart(course: xr.Dataset, result: str, abscissa: np.ndarray, x_axis:
     unit = unit_of(course.isel({dimension: 0}), UNITS[result])
     # a hardness along the course is no limit of a single contact
     curves = interval_values(course.drop_vars("hardness", errors="ignore"), result)
-    curve = [values * unit.factor for values in curves]
+    least = CLOSED if result == GAP else 0.0  # finer than atoms nothing is known
+    curve = [np.where(values >= least, values * unit.factor, np.nan) for values in curves]
     return curves_chart(x_axis, abscissa, f"{TITLES[result]} ({unit.symbol})", {"": curve})
 
 

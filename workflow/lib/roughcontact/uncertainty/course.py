@@ -38,51 +38,10 @@ MAX_PARTS = 9
 Run = Callable[..., xr.Dataset]  # the course on a window, with inputs, by their names, so many times as large
 
 
-def with_ends(
-    course: xr.Dataset,
-    window: xr.DataArray,
-    run: Run,
-    names: Sequence[str],
-    settings: Mapping[str, Mapping[str, Any]],
-    *,
-    inputs: Iterable[str] = INPUTS,
-    as_measured: xr.DataArray | None = None,
-    levelled: xr.DataArray | None = None,
-    overviews: Sequence[xr.DataArray] = (),
-    causes: Iterable[Components] = (),
-) -> xr.Dataset:
-    """Return the course of a window with both ends of answers, by the independent causes of their ±.
-
-    These are Student's factor of the scatter of the parts; on the first part, which stands for all, twice
-    what pixels half as large change, what noise, lens, tip and rounding of the instrument do
-    (`instrument_components`), and both ends of each input whose range the `settings` of the contact or the
-    instrument state; the places of the largest overview; and `causes` of the course itself. Closed gaps and
-    infinite conductances have no scale, and no ends.
-
-    Parameters
-    ----------
-    course, window : Dataset, DataArray (y, x; m)
-        the answers and the face that has them.
-    run : callable
-        the course on another window, with inputs by their names (`uncertainty.inputs`) as factors of what is
-        stated; it may be coarser than `course`.
-    names : sequence of str
-        the answers.
-    settings : mapping
-        sections `contact` and `instrument` of the settings.
-    inputs : iterable of str
-        those of which `run` takes a factor.
-    as_measured, levelled : DataArray, optional
-        the window before a correction for the instrument; the map of which it is a part.
-    overviews : sequence of DataArray
-        coarser maps around `levelled`.
-    causes : iterable of components
-        half-widths by answer.
-    """
-    of_parts = _causes_of_parts(window, run, names, settings, inputs, as_measured)
-    of_places = _causes_of_places(window, run, names, levelled, overviews)
+def with_ends(course: xr.Dataset, names: Sequence[str], causes: Iterable[Components]) -> xr.Dataset:
+    """Return a course with both ends of these answers, by the independent causes of their ±."""
     columns: dict[str, tuple] = {}
-    for name, total in sum_of_causes([*of_parts, *of_places, *causes]).items():
+    for name, total in sum_of_causes(causes).items():
         bounds = interval_bounds(name, to_scale(name, course[name].values), total)
         columns |= {f"{name}{k}": (course[name].dims, end) for k, end in zip(ENDS[1:], bounds, strict=True)}
     return course.assign(columns)
@@ -106,15 +65,38 @@ def components_of(form: Callable[[np.ndarray], Component], changes: xr.Dataset) 
     return {str(name): form(change.values) for name, change in changes.items()}
 
 
-def _causes_of_parts(
+def causes_of_parts(
     window: xr.DataArray,
     run: Run,
     names: Sequence[str],
     settings: Mapping[str, Mapping[str, Any]],
-    inputs: Iterable[str],
-    as_measured: xr.DataArray | None,
+    *,
+    as_measured: xr.DataArray | None = None,
+    inputs: Iterable[str] = INPUTS,
 ) -> list[Components]:
-    """Return what the parts tell: their scatter, and on the first one pixels, instrument, stated ranges."""
+    """Return what the parts of a window tell, on the scales of the answers.
+
+    These are Student's factor of their scatter, and on the first part, which stands for all, twice what
+    pixels half as large change, what noise, lens, tip and rounding of the instrument do
+    (`instrument_components`), and both ends of each input whose range the `settings` of the contact or the
+    instrument state. Closed gaps and infinite conductances have no scale, and no ends.
+
+    Parameters
+    ----------
+    window : DataArray (y, x; m)
+        the face.
+    run : callable
+        the course on another window, with inputs by their names (`uncertainty.inputs`) as factors of what is
+        stated.
+    names : sequence of str
+        the answers.
+    settings : mapping
+        sections `contact` and `instrument` of the settings.
+    as_measured : DataArray, optional
+        the window before a correction for the instrument.
+    inputs : iterable of str
+        those of which `run` takes a factor.
+    """
     cut = levelled_parts(window)
     part, instrument = cut[0], stated_instrument(window, settings["instrument"])
     courses = [run(each) for each in cut]
@@ -148,20 +130,18 @@ def _causes_of_parts(
     return causes
 
 
-def _causes_of_places(
+def causes_of_places(
     window: xr.DataArray,
     run: Run,
-    names: Sequence[str],
-    levelled: xr.DataArray | None,
+    names: Iterable[str],
+    levelled: xr.DataArray,
     overviews: Sequence[xr.DataArray],
 ) -> list[Components]:
     """Return what the places of the largest overview change from that of the map: mean and scatter.
 
-    Their load is that of the map by the gradient, so that coarser pixels touch as much. Of the largest
-    pressure an overview tells less than the map.
+    The overviews lie around `levelled`, of which the window is a part. Their load is that of the map by the
+    gradient, so that coarser pixels touch as much. Of the largest pressure an overview tells less.
     """
-    if levelled is None or not overviews:
-        return []
     fine = measured_rectangle(levelled)
     overview = max(overviews, key=lambda field: math.prod(side_lengths(field)))
     own, _ = own_place(fine, overview, overviews)
