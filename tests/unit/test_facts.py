@@ -80,7 +80,7 @@ def test_all_that_is_known_of_a_surface():
         "Channel": "height",
         "Instrument": "lens 50x, numerical aperture 0.400",
         "Assumed in the ±": (
-            "a perfect lens or tip and no noise but what a flat spectrum shows, until they are stated"
+            "a perfect lens or tip and no noise but what a flat spectrum shows, until the settings state them"
         ),
         "Map": "40.0 µm × 60.0 µm, 40 × 30 points of 1.00 µm × 2.00 µm",  # x before y
         "Missing points": "1.25 %",

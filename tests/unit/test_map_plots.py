@@ -115,14 +115,14 @@ def test_full_contact_has_the_colours_of_the_heights():
 @pytest.mark.parametrize(("shape", "axis"), [((1, 60), "x"), ((60, 1), "y")])
 def test_profiles_are_lines_along_their_length(shape, axis):
     height = rough(shape, 2e-6) - 5e-3
-    drawn = read_chart(map_plots.height_map(height, unit=Unit(1e9, "nm"), along=Unit(1e3, "mm")))
-    assert {f"{axis} (mm)", "height (nm)"} <= set(drawn.texts)
+    drawn = read_chart(map_plots.height_map(height, along=Unit(1e3, "mm")))
+    assert {f"{axis} (mm)", "height (µm)"} <= set(drawn.texts)
     (line,) = drawn.lines
-    room = 0.06 * 1e9 * np.ptp(height.values)
-    assert drawn.y_ends == pytest.approx([line.y.min() - room, line.y.max() + room], abs=20)
+    room = 0.06 * 1e6 * np.ptp(height.values)
+    assert drawn.y_ends == pytest.approx([line.y.min() - room, line.y.max() + room], abs=0.02)
     assert drawn.x_ends == pytest.approx([0, 2e-3 * 59], abs=1e-4)
     assert line.x == pytest.approx(2e-3 * np.arange(60), abs=2e-4)
-    assert line.y == pytest.approx(1e9 * height.values.ravel(), abs=20)
+    assert line.y == pytest.approx(1e6 * height.values.ravel(), abs=0.02)
     gap = np.abs(np.sin(np.arange(60.0))).reshape(shape) * 1e-6
     faces = read_chart(map_plots.gap_map(height, gap, np.zeros(shape)))
     for label, values in (("rough surface", height.values), ("deformed surface", height.values + gap)):

@@ -45,7 +45,16 @@ from roughcontact.results.collect import collect_statistics, result_entry, summa
 from roughcontact.results.storage import provenance, read_dataset, table_text, write_dataset
 from roughcontact.statistics import checks, map_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
-from roughcontact.statistics.outcome import FAILED, NOT_MADE, NOTE, PASSED, REVIEW, VERDICTS, worst_result
+from roughcontact.statistics.outcome import (
+    FAILED,
+    NOT_MADE,
+    NOTE,
+    PASSED,
+    REVIEW,
+    VERDICTS,
+    reason_text,
+    worst_result,
+)
 from roughcontact.surface.levelling.level import level
 from roughcontact.surface.window.periodic_window import periodic_window
 
@@ -445,6 +454,7 @@ def test_each_check_can_ask_for_a_look(good):
     assert "make up 70.0 % of the mean square gradient" in checks_by_name["Steep places"].sentence
     assert checks_by_name["Reading the file"].sentence == "The unit was guessed."
     assert checks_by_name["Sample"].sentence == "A few places hold most of the heights. Measure more places."
+    assert reason_text(checks_by_name["Sample"], letters=60).endswith(" … Measure more places")
 
 
 def test_a_single_rejected_point_is_spoken_of_in_the_singular():

@@ -153,7 +153,7 @@ def test_surfaces_whose_area_is_unknown_at_the_load_have_no_line():
     areas = xr.Dataset({AREA: ("load", [0.1, np.nan]), "mean_pressure": ("load", [1e6, 1e8])})
     surfaces = areas.assign(contact_modulus=1e9)
     assert surfaces_in_words({"a": (surfaces, 1), "b": (surfaces, 1)}) == ""
-    assert "10.0 % (a) to 10.0 % (b)" in surfaces_in_words({"a": (surfaces, 0), "b": (surfaces, 0)})
+    assert "10.0 % of all 2" in surfaces_in_words({"a": (surfaces, 0), "b": (surfaces, 0)})
 
 
 def test_pictures_show_every_map():
@@ -204,7 +204,7 @@ def test_several_surfaces_are_answered_in_one_line():
     leaks = {f"leak_rate_{axis}": ("load", [1e-9, 0.0]) for axis in "xy"}
     leaks |= {f"critical_constriction_{axis}": ("load", [1e-7, 0.0]) for axis in "xy"}
     seals = {name: data.assign(closed | leaks) for name, data in areas.items()}
-    assert surfaces_in_words(at(0, areas)) == "At 1.00 MPa: contact area from 1.00 % (a) to 1.00 % (b)."
+    assert surfaces_in_words(at(0, areas)) == "At 1.00 MPa: contact area 1.00 % of all 2."
     assert surfaces_in_words(at(1, seals)) == "At 2.00 MPa: seals for all 2."
     heavier = seals["b"].assign_coords(mean_pressure=("load", [1e6, 3e6]))
     assert surfaces_in_words(at(1, seals | {"b": heavier})) == "At the last load of each: seals for all 2."

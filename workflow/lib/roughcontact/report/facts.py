@@ -45,7 +45,7 @@ def surface_facts(
         ("File", " · ".join(filter(None, source))),
         ("First row", sentence("first_row", measured_map.attrs)),
         ("Sources", in_words(sources)),
-        ("Not used", "; ".join(sources.get("not used", []))),
+        ("Not used", textwrap.shorten("; ".join(sources.get("not used", [])), 240, placeholder=" …")),
         ("Channel", str(measured_map.attrs.get("channel", ""))),
         ("Instrument", textwrap.shorten(instrument_text, 160, placeholder=" …")),
         ("Assumed in the ±", _assumed(numbers)),
@@ -77,7 +77,7 @@ def _assumed(numbers: xr.Dataset) -> str:
     )
     noise = "" if "noise" in stated else "no noise but what a flat spectrum shows"
     missing = " and ".join(filter(None, (lens, noise)))
-    return f"{missing}, until they are stated" if missing else ""
+    return f"{missing}, until the settings state them" if missing else ""
 
 
 def number_facts(numbers: xr.Dataset) -> list[tuple[str, str]]:
@@ -287,6 +287,7 @@ def _removed(levelled_map: xr.DataArray) -> str:
         f"{name.replace('_', ' ')} {_removed_part(name, entry, levelled_map)}"
         for name, entry in components_removed.items()
         if name.startswith(("mean", "slope", "curvature", "radius", "axis"))  # the rest are coefficients
+        and not (are_lines(levelled_map) and name.endswith("_y"))
     ]
     return f"{levelled_map.attrs.get('form', 'none')}" + (f": {', '.join(components)}" if components else "")
 

@@ -301,6 +301,8 @@ def surfaces_in_words(results: Mapping[str, Load]) -> str:
     >>> results = {name: (xr.Dataset(loads | {AREA: ("load", [area])}), 0) for name, area in areas.items()}
     >>> surfaces_in_words(results)
     'At 1.00 MPa: contact area from 10.0 % (b) to 30.0 % (a).'
+    >>> surfaces_in_words({name: results["a"] for name in ("a", "d")})
+    'At 1.00 MPa: contact area 30.0 % of all 2.'
     """
     texts = {stated_loads(data).texts[index] for data, index in results.values()}
     head = f"At {texts.pop()}" if len(texts) == 1 else "At the last load of each"
@@ -324,11 +326,13 @@ def surfaces_in_words(results: Mapping[str, Load]) -> str:
         return ""
     units = dict(zip(results, glance_units(all_data), strict=True))
     lowest, highest = (
-        f"{interval_cell(data, answer, units[name], index).text} ({name})"
+        interval_cell(data, answer, units[name], index).text
         for name in (names[0], names[-1])
         for data, index in [results[name]]
     )
-    return f"{head}: {TITLES[answer]} from {lowest} to {highest}."
+    if lowest == highest:  # at the digits that their intervals carry
+        return f"{head}: {TITLES[answer]} {lowest} of all {len(names)}."
+    return f"{head}: {TITLES[answer]} from {lowest} ({names[0]}) to {highest} ({names[-1]})."
 
 
 def _comparison(part: xr.Dataset, name: str, is_limited_at: Sequence[bool]) -> Row:

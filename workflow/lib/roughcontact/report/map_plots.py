@@ -8,12 +8,12 @@ import xarray as xr
 
 from roughcontact.arguments.maps import dimensions, side_lengths
 from roughcontact.arguments.profiles import are_lines
-from roughcontact.arguments.quantities import Unit
+from roughcontact.arguments.quantities import Unit, height_unit
 from roughcontact.report.charts import COLOURS, Axis, Chart
 from roughcontact.report.colours import colour_scale, coloured
 from roughcontact.report.units import length_unit
 
-_MICROMETRES, _MEGAPASCALS = Unit(1e6, "µm"), Unit(1e-6, "MPa")
+_MEGAPASCALS = Unit(1e-6, "MPa")
 _WIDTH = 240.0  # of a square picture, pixels
 _HIGHEST = 330.0  # of a picture, pixels
 _MAX_ASPECT = 4.0  # longer pictures are drawn out of scale
@@ -40,15 +40,16 @@ def height_map(
     height: xr.DataArray,
     *,
     rectangle: Frame | None = None,
-    unit: Unit = _MICROMETRES,
     along: Unit | None = None,
     like: xr.DataArray | None = None,
 ) -> Chart:
     """Draw a height map (y, x; m), points that were not measured in pink; profiles are drawn as lines.
 
-    `rectangle` (m from the first corner) outlines the window; `unit` is of heights, `along` of lengths; the
-    colours are those of the heights `like` these.
+    `rectangle` (m from the first corner) outlines the window; `along` is the unit of lengths; the colours are
+    those of the heights `like` these.
     """
+    like = height if like is None else like
+    unit = height_unit(float(like.std()))
     if are_lines(height):
         profiles = height.values if height.shape[1] > 1 else height.values.T
         colours = enumerate(zip(profiles, COLOURS, strict=False), 1)  # no more than there are colours
@@ -61,7 +62,7 @@ def height_map(
     # heights relative to the mean: the scale of a file far from zero says nothing
     values = height.values - np.nanmean(height.values)
     # a few spikes must not take up the colour scale
-    scale = values if like is None else like.values - np.nanmean(like.values)
+    scale = like.values - np.nanmean(like.values)
     lowest, highest = (float(limit) for limit in np.nanpercentile(scale, [0.1, 99.9]))
     return _map(_HEIGHT, height, values, (lowest, highest), unit=unit, outline=outline, along=along)
 
@@ -112,9 +113,9 @@ def gap_map(
     pressure: np.ndarray,
     *,
     widest: float | None = None,
-    unit: Unit = _MICROMETRES,
 ) -> Chart:
     """Draw the gap (m) over the window, contact in white; a profile shows both faces as lines."""
+    unit = height_unit(float(height.std()))
     if dimensions(gap.shape) == 1:
         faces = [
             (height.values.ravel(), "rough surface", COLOURS[0]),

@@ -172,7 +172,7 @@ def _maps(
     """Return (title, image, caption) of the heights after each stage; of a pair, both measured faces."""
     measured = [measured_map, *map(_read_map, counter_faces)]
     *titles, title_of_levelled = _TITLES[len(measured)]
-    chart = partial(map_plots.height_map, unit=unit_of(numbers, "m"), along=unit_of(numbers, "m along"))
+    chart = partial(map_plots.height_map, along=unit_of(numbers, "m along"))
     levelled_chart = chart(levelled_map, rectangle=_frame(window))
     return [
         *(
@@ -186,9 +186,8 @@ def _maps(
 
 def _overview(overview: xr.DataArray, levelled: xr.DataArray, numbers: xr.Dataset) -> tuple[str, str, str]:
     """Return title, image and caption of an overview with the map in it."""
-    unit, along = (unit_of(numbers, length) for length in ("m", "m along"))
     frame = frame_of_place(overview, levelled)
-    image = map_plots.height_map(overview, rectangle=frame, unit=unit, along=along).source()
+    image = map_plots.height_map(overview, rectangle=frame, along=unit_of(numbers, "m along")).source()
     return f"Overview{', the map in it' if frame else ''}", image, place_in_words(overview)
 
 
@@ -211,8 +210,7 @@ def _fields(
             return result["pressure"].values, result["gap"].values
 
         highest, widest = map_plots.common_limits(map(maps, loads.values()))
-        of_pressure, of_gap = unit_of(numbers, "Pa"), unit_of(numbers, "m")
-        fields, texts = [], stated_loads(numbers).texts
+        of_pressure, fields, texts = unit_of(numbers, "Pa"), [], stated_loads(numbers).texts
         for index, place in loads.items():
             pressure, gap = maps(place)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
@@ -220,7 +218,7 @@ def _fields(
             chart = map_plots.pressure_map(
                 window, pressure, highest=highest, unit=of_pressure, ellipse=smooth
             )
-            gap_chart = map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap)
+            gap_chart = map_plots.gap_map(window, gap, pressure, widest=widest)
             outline = "; red: the contact of the smooth bodies (Hertz)" if smooth else ""
             caption = f"{texts[index]}: {area} of the pixels touch{outline}"
             fields.append((caption, chart.source(), gap_chart.source()))

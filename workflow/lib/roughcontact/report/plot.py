@@ -118,8 +118,7 @@ def height(height: xr.DataArray, ax: "Axes | None" = None) -> "Axes":
     >>> rc.plot.height(rough_reference_surface(64)).get_xlabel()
     'x (mm)'
     """
-    unit = unit_of({"rms_height": float(height.std())}, "m")
-    return _drawn(map_plots.height_map(height, unit=unit), ax)
+    return _drawn(map_plots.height_map(height), ax)
 
 
 def maps(
@@ -153,14 +152,13 @@ def maps(
     check_solution(dataset, of_loads=False)
     chosen = dataset.isel(load=load) if "load" in dataset.dims else dataset
     height, pressures, gap = chosen["height"], chosen["pressure"].values, chosen["gap"].values
-    of_heights = unit_of({"rms_height": float(height.std())}, "m")
     of_pressure = unit_of(dataset, "Pa")
     if quantity == "height":
-        return _drawn(map_plots.height_map(height, unit=of_heights), ax)
+        return _drawn(map_plots.height_map(height), ax)
     if quantity == "pressure":
         chart = map_plots.pressure_map(height, pressures, unit=of_pressure)
     else:
-        chart = map_plots.gap_map(height, gap, pressures, unit=of_heights)
+        chart = map_plots.gap_map(height, gap, pressures)
     touching = percent(np.count_nonzero(pressures > 0) / pressures.size)
     chart.title = f"{of_pressure.text(float(chosen['mean_pressure']))}: {touching} of the pixels touch"
     return _drawn(chart, ax)

@@ -12,6 +12,7 @@ from roughcontact.arguments.stacks import half_spaces
 from roughcontact.contact.flash_temperature import flash_temperature
 from roughcontact.contact.partial_slip import APPROXIMATION, partial_slip
 from roughcontact.errors import SettingsError
+from roughcontact.statistics.kinds import load_in_words
 
 
 def friction_statistics(
@@ -87,7 +88,8 @@ def slip_in_words(numbers: xr.Dataset) -> str:
         if np.isfinite(share)
     ]
     bound = number(float(largest["tangential_error_bound"].max()), digits=2)
-    return f"{'; '.join(shares)}; error of the traction at most {bound}. {APPROXIMATION}"
+    load = load_in_words(float(largest["mean_pressure"]), numbers)[1]
+    return f"At {load} {'; '.join(shares)}; error of the traction at most {bound}. {APPROXIMATION}"
 
 
 def _equivalent_ratio(bodies: Sequence[Mapping[str, Any]] | None) -> float | None:

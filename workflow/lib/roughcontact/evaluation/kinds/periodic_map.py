@@ -90,7 +90,7 @@ class PeriodicMap(MapPreparation):
         budget = budget.assign_attrs({f"overview_{name}": number for name, number in place.items()})
         if f"{AREA}_{ALONE}" in budget:  # beside the results with what the overview shows
             return budget
-        flag = f"{budget.attrs.get('window_flag', '')} {_OVERVIEW_WITHOUT_EFFECT}".lstrip()
+        flag = f"{_OVERVIEW_WITHOUT_EFFECT} {budget.attrs.get('window_flag', '')}".rstrip()
         return budget.assign_attrs(window_flag=flag)
 
     def budget_arguments(self, solution: SolvedMap) -> tuple[dict[str, Any], dict[str, Any]]:
