@@ -120,6 +120,36 @@ def test_a_correction_restores_the_gradient_that_noise_hides():
     assert float(restored.mean()) == pytest.approx(float(measured.mean()), abs=1e-12)
 
 
+@pytest.mark.parametrize("shape", [(30, 33), (33, 30), (32, 48), (31, 29)])
+@pytest.mark.parametrize(
+    "instrument",
+    [{"noise": 0.05}, {"noise": 0.05, "resolution": 4e-6}, {"numerical_aperture": 0.1, "wavelength": 6e-7}],
+)
+def test_a_correction_counts_every_wave_once_whatever_the_axis(shape, instrument):
+    """By the transform of all waves, where `restored` has that of a half of them; and of the map turned."""
+    x = np.indices(shape)[1]
+    heights = np.random.default_rng(0).standard_normal(shape)
+    heights = height_map(np.sin(2 * np.pi * x / shape[1]) + 0.2 * heights, (1.5e-6, 1e-6))
+    actual = corrected(heights, instrument)
+    turned = corrected(height_map(heights.values.T, spacing(heights)[::-1]), instrument)
+    np.testing.assert_allclose(turned.values.T, actual, atol=1e-12)
+
+    frequency = [np.fft.fftfreq(n, d) for n, d in zip(shape, spacing(heights), strict=True)]
+    frequency = np.hypot(frequency[0][:, None], frequency[1][None, :])
+    share, spectrum = transfer(frequency, instrument), np.fft.fft2(heights)
+    power, of_noise = np.abs(spectrum) ** 2, heights.size * instrument.get("noise", 0.0) ** 2
+    hidden = share < 0.01
+    floor = max(of_noise, np.median(power[hidden])) if hidden.any() else of_noise
+    rings = np.rint(frequency / frequency.max() * max(shape))
+    mean = np.zeros(shape)
+    for ring in np.unique(rings):
+        mean[rings == ring] = power[rings == ring].mean()
+    gain = np.where((mean >= 2 * floor) & ~hidden, 1 / np.maximum(share, 0.2), 1.0)
+    gain *= np.sqrt(np.maximum(1 - of_noise / mean, 0))
+    gain[0, 0] = 1.0
+    np.testing.assert_allclose(actual, np.fft.ifft2(spectrum * gain).real, atol=1e-12)
+
+
 def test_noise_that_is_all_of_the_gradient_leaves_no_upper_end():
     height = true_surface("random")
     smooth = through(height, resolution=8e-6)

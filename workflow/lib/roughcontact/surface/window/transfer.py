@@ -95,15 +95,16 @@ def restored(
     frequency = q / (2 * np.pi)
     share = transfer(frequency, instrument)
     spectrum = np.fft.rfft2(values)
-    power = np.abs(spectrum) ** 2
+    power, counts = np.abs(spectrum) ** 2, np.broadcast_to(halfplane_weights(values.shape), q.shape)
     floor = of_noise = values.size * (noise * _share_kept(window, q)) ** 2  # at each frequency
     hidden = share < 0.01
     # what is there where nothing can have been transmitted is noise
     if hidden.any():
-        floor = np.maximum(floor, float(np.median(power[hidden])))
+        floor = np.maximum(floor, float(np.median(np.repeat(power[hidden], counts[hidden].astype(int)))))
     # the mean over waves of about one length tells signal from noise
     rings = np.rint(frequency / frequency.max() * max(values.shape)).astype(int)
-    mean = (np.bincount(rings.ravel(), power.ravel()) / np.maximum(np.bincount(rings.ravel()), 1))[rings]
+    total, waves = (np.bincount(rings.ravel(), weights.ravel()) for weights in (counts * power, counts))
+    mean = (total / np.maximum(waves, 1))[rings]
     gain = np.where((mean >= 2 * floor) & ~hidden, 1 / np.maximum(share, MIN_TRANSFER), 1.0)
     if equalise:
         # of a noisy power the share that is signal: Wiener's filter, as an amplitude
