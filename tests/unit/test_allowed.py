@@ -10,7 +10,7 @@ from roughcontact.arguments.answers import ALLOWED_VALUES, TOTALS
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.report.allowed import allowed_in_words
-from roughcontact.report.glance import HEADINGS, glance_rows
+from roughcontact.report.glance import HEADINGS, answer_line, glance_rows
 from roughcontact.statistics.allowed import compare, with_allowed
 from roughcontact.statistics.decisions import gap_is_closed
 
@@ -222,6 +222,19 @@ def test_a_leak_in_units_of_a_leak_detector_is_told_how_to_become_a_volume():
     """1 mbar l/s is 1 l/s at 1 mbar: which volume it is depends on the pressure behind the seal."""
     with pytest.raises(SettingsError, match="mbar l/s over mbar there"):
         resolve({"statistics": {"seal": {"allowed_leak": "1e-3 mbar l/s"}}})
+
+
+def test_a_profile_does_not_tell_whether_a_leak_holds():
+    """Endless ridges block a gap, or let all of it through: of neither does a seal hold what it may leak."""
+    profile = self_affine((64, 64), (1e-6, 1e-6), (8e-6, 3.2e-5), rms_height=5e-7)[:1]
+    seal = {"viscosity": 1e-3, "pressure_difference": 1e4, "width": 3e-3}
+    seal |= {"perimeter": 0.1, "allowed_leak": 3e-10}
+    contact = {"bodies": ["NBR", "steel"], "mean_pressure": "100 kPa"}
+    result = evaluate(profile, lay="across", contact=contact, statistics={"seal": seal})
+    assert "leak_holds" not in result
+    assert result.attrs["halved"] == "contact area"
+    line = answer_line(result, 0, glance_rows(result)[0], alone=True)
+    assert line == "At 100 kPa: sealing not judged (a profile does not tell)."
 
 
 def numbers_of(holds, crossing, lower, upper):

@@ -221,7 +221,7 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell], *, alone
         name, cell = COLUMN_NAMES[column - 1], cells[column]
         subject = (
             ""
-            if HEADINGS[column] in IN_WORDS
+            if HEADINGS[column] in IN_WORDS and cell.text != NOT_JUDGED
             else f"{ANSWERS[name].words if name in ANSWERS else HEADINGS[column]} "
         )
         known = [cell.precision if cell.remark in repeated else cell.known]

@@ -12,6 +12,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS, OPPOSITE_ENDS, TOTALS
 from roughcontact.statistics.decisions import is_lifted, lifting_pressure
+from roughcontact.statistics.kinds import reason_without_flow
 
 Ends = Sequence[npt.ArrayLike] | np.ndarray  # value, lower and upper end (load)
 
@@ -118,6 +119,8 @@ def with_allowed(
     for name, allowed in ALLOWED_VALUES.items():
         limit = properties.get(f"allowed_{name}")
         if limit is None or not any(number in complete for number in allowed.numbers):
+            continue
+        if allowed.answer == "sealing" and reason_without_flow(statistics):  # that is not judged
             continue
         crossing = compare(
             complete["mean_pressure"].values,

@@ -14,6 +14,7 @@ from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.contact.dataset import recorded_medium
 from roughcontact.statistics.conductance import knudsen_resistance_ratio
+from roughcontact.statistics.decisions import is_lifted
 from roughcontact.statistics.kinds import load_in_words, unit_of_pressures
 from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
 from roughcontact.statistics.sealing.gas import MIN_INVERSE_KNUDSEN, path_at_mean_pressure
@@ -368,7 +369,7 @@ def fluid(statistics: Statistics) -> Check | None:
     difference, viscosity = (statistics.attrs[f"seal_{key}"] for key in ("pressure_difference", "viscosity"))
     text = f"The fluid presses with up to {quantity(difference, 'Pa')}"
     # the fluid would push the bodies apart
-    if (lifts := statistics["mean_pressure"].values < difference).any():
+    if (lifts := is_lifted(statistics)).any():
         text += f", more than the bodies at {lifts.sum()} of {lifts.size} loads: it would lift them."
         return review(text, advice="State the load that presses them together while the fluid is there.")
     if "seal_outlet_pressure" in statistics.attrs:

@@ -13,6 +13,7 @@ from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, ENDS
 from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.arguments.quantities import Unit, counted_noun, percent, quantity
 from roughcontact.arguments.variables import names_asked
+from roughcontact.statistics.kinds import reason_without_flow
 from roughcontact.statistics.outcome import CheckName
 from roughcontact.statistics.precision import precision_in_words, relative_half_width
 from roughcontact.uncertainty.calibration import ALONE, scatter_between_maps, table
@@ -211,7 +212,8 @@ def _asked_number(statistics: xr.Dataset) -> tuple[list[str], str]:
         ("sealing", [*CONSTRICTIONS], "leak"),
         *((name, [answer.quantity], answer.words) for name, answer in ANSWERS.items() if answer.quantity),
     ):
-        if name in answers and f"{numbers[0]}_components" in statistics:
+        is_judged = name != "sealing" or not reason_without_flow(statistics)
+        if name in answers and is_judged and f"{numbers[0]}_components" in statistics:
             return numbers, words
     return [AREA], ANSWERS[AREA].words
 
