@@ -128,6 +128,14 @@ def test_maps_of_a_place_are_adjusted_over_the_pairs_of_a_case():
         assert comparison["p_value"].item() == pytest.approx(reference)
 
 
+def test_a_gap_finer_than_atoms_is_no_multiple_of_another():
+    groups = [named("lapped", (0.9e-10, 1.0e-10, 1.1e-10)), named("ground", (1.9e-6, 2.0e-6, 2.1e-6))]
+    (rows,) = comparison_rows(compare_all({group.label: group.answer for group in groups})[0], groups)
+    of_gap = next(row for row in rows["rows"] if row["quantity"] == "mean gap")
+    assert of_gap["outcomes"] == ["closed (< 1 nm)"]
+    assert of_gap["cells"] == [Cell("–")] * len(of_gap["cells"])
+
+
 def test_pressures_at_the_hardness_have_no_interval_and_no_difference():
     limited = [
         named(name, gaps, hardness=5.4e7)

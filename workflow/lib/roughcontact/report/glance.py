@@ -57,7 +57,7 @@ HEADINGS = (
 )
 IN_WORDS = [answer.heading for answer in ANSWERS.values() if not answer.quantity]  # they hold no number
 
-_CLOSED = "closed (< 1 nm)"
+CLOSED_IN_WORDS = "closed (< 1 nm)"
 _NO_INTERVAL = "no ±"
 _EXACT = "taken as exact"  # ends a remark that holds at all loads of a surface
 _OF_JOINT = "of the joint"  # ends its resistance, which stands in the line of the answer
@@ -346,7 +346,7 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     remark = ", ".join(remarks) if is_known(value, lower, upper) else ""
     if name == GAP and min(value, upper) < CLOSED * factor:  # a NaN end is no smaller
         open_elsewhere = f"up to {Unit(1.0, symbol).text(upper)}" if upper >= CLOSED * factor else ""
-        return Cell(_CLOSED, open_elsewhere, precision="" if open_elsewhere else "to 1 nm")
+        return Cell(CLOSED_IN_WORDS, open_elsewhere, precision="" if open_elsewhere else "to 1 nm")
     return Cell(shown, interval.strip("()"), precision=precision, remark=remark)
 
 

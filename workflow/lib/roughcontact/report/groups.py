@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, AREA, COMPARED, ENDS, PEAK, TITLES
+from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, AREA, COMPARED, ENDS, GAP, PEAK, TITLES
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import Unit, percent, quantity, with_interval
 from roughcontact.arguments.variables import has_number
@@ -19,6 +19,7 @@ from roughcontact.report.allowed import (
     stated_allowed,
 )
 from roughcontact.report.glance import (
+    CLOSED_IN_WORDS,
     COLUMN_NAMES,
     IN_WORDS,
     Cell,
@@ -31,6 +32,7 @@ from roughcontact.report.glance import (
 from roughcontact.report.glance import HEADINGS as HEADINGS_OF_COLUMNS
 from roughcontact.report.load_plots import group_areas
 from roughcontact.report.units import hardness_reached, stated_loads, unit_of
+from roughcontact.statistics.decisions import CLOSED
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 from roughcontact.uncertainty.groups import is_range
@@ -113,14 +115,22 @@ def comparison_rows(
     for (label, partner), result in comparisons.items():
         pressure = unit_of(answers[label], "Pa")
         loads = result["mean_pressure"].values.tolist()
-        is_limited_at = [all(_limited_at(answers[name], load) for name in (label, partner)) for load in loads]
+        at_loads = [
+            [(a, _nearest_load(a, load)) for a in (answers[label], answers[partner])] for load in loads
+        ]
+        both = [all(PEAK in a and hardness_reached(a)[i] for a, i in at_load) for at_load in at_loads]
+        closed = [any(float(a[GAP][i]) < CLOSED for a, i in at_load) for at_load in at_loads]
+        without_ratio = {
+            PEAK: ["both the hardness" * of_load for of_load in both],
+            GAP: [CLOSED_IN_WORDS * of_load for of_load in closed],  # finer than atoms nothing is known
+        }
         rows.append(
             {
                 "first": label,
                 "second": partner,
                 "loads": [pressure.text(load) for load in loads],
                 "rows": [
-                    _comparison(result.sel(quantity=name), name, is_limited_at)
+                    _comparison(result.sel(quantity=name), name, without_ratio.get(name, ()))
                     for name in COMPARED
                     if name in result["quantity"].values
                 ],
@@ -128,11 +138,6 @@ def comparison_rows(
             }
         )
     return rows
-
-
-def _limited_at(answer: xr.Dataset, load: float) -> bool:
-    """Return whether the largest pressure of a group or map is the hardness, at the load (Pa) next to one."""
-    return PEAK in answer and bool(hardness_reached(answer)[_nearest_load(answer, load)])
 
 
 def _verdicts(group: NamedGroup, verdicts: Mapping[tuple[str, str | None], str]) -> str:
@@ -335,16 +340,16 @@ def surfaces_in_words(results: Mapping[str, Load]) -> str:
     return f"{head}: {TITLES[answer]} from {lowest} ({names[0]}) to {highest} ({names[-1]})."
 
 
-def _comparison(part: xr.Dataset, name: str, is_limited_at: Sequence[bool]) -> Row:
+def _comparison(part: xr.Dataset, name: str, without_ratio: Sequence[str]) -> Row:
     """Return the row of a quantity: its ratio at each load with the interval, and the outcomes.
 
-    `is_limited_at` says at which loads it is the hardness of both, so that nothing is compared.
+    `without_ratio` says at which loads, if there are any, nothing is compared, and why.
     """
     cells, outcomes = [], []
     for index, outcome in enumerate(part["outcome"].values.tolist()):
-        if name == PEAK and is_limited_at[index]:
+        if without_ratio and without_ratio[index]:
             cells.append(Cell("–"))
-            outcomes.append("both the hardness")
+            outcomes.append(without_ratio[index])
             continue
         ratio, low, high = (float(part[key][index]) for key in ("ratio", "ratio_lower", "ratio_upper"))
         text, *_ = with_interval(ratio, low, high, finest=_FINEST).split()
