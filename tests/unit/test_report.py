@@ -1122,6 +1122,8 @@ def test_differences_of_cases_reach_as_far_as_the_ends_of_both_intervals():
     # up: 2 e^hypot(0.4, 0.3) = 3.297, down: 2 e^-hypot(0.01, 0.01) = 1.972
     assert table["groups"][2]["rows"][0][-1] == "(100 −3 +130) %"
     assert table["differences"] == ["two against one"]
+    closed = case_table({"one": case(1e-11, 0.3, 0.01), "two": case(2e-6, 0.01, 0.4)})
+    assert closed["groups"][2]["rows"][0][1:] == ["< 0.001 µm", "(2.000 −0.020 +0.98) µm", "–"]
 
 
 def test_loads_of_cases_are_named_by_what_they_have_in_common():

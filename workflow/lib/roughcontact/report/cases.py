@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import COMPARED, TITLES, UNITS
+from roughcontact.arguments.answers import COMPARED, GAP, TITLES, UNITS
 from roughcontact.arguments.quantities import Unit, number, quantity, with_interval
 from roughcontact.report.units import median_numbers, number_text, unit_of
+from roughcontact.statistics.decisions import CLOSED
 from roughcontact.statistics.load_pairs import paired_loads, same_load
 from roughcontact.uncertainty.differences import case_differences, case_pairs
 
@@ -184,6 +185,8 @@ def _values(loads: Sequence[Load], name: str) -> np.ndarray:
 def _changes(loads: Sequence[Sequence[Load]], name: str, ratios: Sequence[tuple[float, float]]) -> Changes:
     """Return the differences between the `loads` of two cases; `ratios` has both ends of each ratio."""
     reference, values = (_values(of_case, name) for of_case in loads)
+    if name == GAP:  # finer than atoms nothing is known
+        reference = np.where(reference < CLOSED, 0.0, reference)
     with np.errstate(divide="ignore", invalid="ignore"):
         change, low, high = (100 * (ratio - 1) for ratio in (values / reference, *np.transpose(ratios)))
     change, low, high = (np.where(np.abs(percent) < _DUST, 0.0, percent) for percent in (change, low, high))
@@ -212,7 +215,8 @@ def _median_change(changes: Changes) -> str:
 
 def _bracketed(text: str, unit: str) -> str:
     """Return a number before its unit, in brackets where half-widths stand beside it."""
-    return f"({text}) {unit}" if " " in text and not text.endswith(")") else f"{text} {unit}"
+    has_sides = " " in text and not text.endswith(")") and not text.startswith("<")
+    return f"({text}) {unit}" if has_sides else f"{text} {unit}"
 
 
 def _interval(result: xr.Dataset, name: str, load: int) -> tuple[float, float]:
