@@ -127,6 +127,11 @@ def picture(
     return Channel(name, shape, read, height_unit or None, dx, dy, lateral_unit or None, **attributes)
 
 
+def stated_length(value: Any) -> float | None:
+    """Return a length of a header; zero, a negative number and none stand for one that it does not say."""
+    return float(value) if value and 0 < value < np.inf else None
+
+
 def counted_channels(channels: Iterable[Channel]) -> list[Channel]:
     """Return channels, and refuse a file of more than 10 000 before all of them are made."""
     counted = list(islice(channels, MAX_CHANNELS + 1))

@@ -250,14 +250,14 @@ def lines_not_used(
             and (is_factor or "fraction" in matters or (strange and "step" not in matters)),
             "turned": not is_denied and ("turned" in matters or _NO_HEIGHTS.search(text)),
             "step": contradicts and "step" in matters,
-            "fraction": "fraction" in matters and lengths,
-            "scaled": "scaled" in matters and not {*values} <= {0.0, 1.0},
             "pixels": not is_denied and "pixels" in matters and values != [1],
             "size": contradicts
             or (has_positions and strange and "step" in matters)
             or strange_count
             or (strange_points and is_count),
-            "unit": other_unit,
+            "unit": other_unit
+            or ("fraction" in matters and lengths)
+            or ("scaled" in matters and not {*values} <= {0.0, 1.0}),
         }
         # a line is quoted once
         if doubt := next((_DOUBTS[matter] for matter in _DOUBTS if applies[matter]), None):

@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights, counted_channels
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, counted_channels, stated_length
 from roughcontact.io.guards import check_count, check_points, refuse_cut_off, refusing
 from roughcontact.io.instruments.rules import IMPRINT, INVERTED
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
@@ -98,7 +98,7 @@ def _stream_sizes(stream: BinaryIO, header: np.void, size: int) -> np.ndarray:
 def _channels(header: np.void, start: int, path: Path) -> Iterator[Channel]:
     """Yield the channels of one object."""
     nx, ny = map(int, header["shape"])
-    dx, dy = (float(step) if 0 < step < np.inf else None for step in header["steps"][:2])
+    dx, dy = map(stated_length, header["steps"][:2])
     unit, unit_y, height_unit = map(_unit, header["step_units"])
     names = [_text(header[key]) for key in ("object_name", "instrument_name", "client")]
     # two programs mark all files as imprints: Gwyddion, under these names, and surfalize

@@ -8,12 +8,11 @@ import mmap
 import re
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, stated_length
 from roughcontact.io.guards import check_points, refusing
 from roughcontact.io.instruments.containers import TIFF, check_tiff, tiff_end, tiff_tags
 from roughcontact.io.interface import Reader, RecognisedBy
@@ -60,7 +59,8 @@ def read(path: Path) -> MeasuredFile:
             values = partial(_read, path, number, line if function == _STRAIGHT_LINE else None)
             channel = Channel(name, image.size[::-1], values, height_unit, lateral_unit=lateral_unit)
             if lateral_unit:
-                channel.dx, channel.dy = (_step(image.tag_v2.get(tag)) for tag in _RESOLUTIONS)
+                densities = [stated_length(image.tag_v2.get(tag)) for tag in _RESOLUTIONS]
+                channel.dx, channel.dy = (density and 1 / density for density in densities)
             channels.append(channel)
     with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
         return MeasuredFile("ImageJ TIFF", channels, "top", required_size=tiff_end(data))
@@ -72,11 +72,6 @@ def _description(path: Path) -> str:
     with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
         tag = next((tag for tag in tiff_tags(data) if tag.number == _DESCRIPTION), None)
         return data[tag.place : tag.place + tag.length].decode("latin-1").rstrip("\0") if tag else ""
-
-
-def _step(resolution: Any) -> float | None:
-    """Return the step of so many pixels for each unit, None for 0 or none."""
-    return 1 / float(resolution) if resolution and 0 < float(resolution) < np.inf else None
 
 
 def _read(path: Path, number: int, line: tuple[float, float] | None) -> np.ndarray:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, stated_length
 from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
@@ -29,8 +29,8 @@ def read(path: Path) -> MeasuredFile:
         raise InputFileError(f"Zscale = {header.z_scale}, the height of a count: correct it in the file")
     dates = {"acquisition_time": header.create_date, "modified": header.mod_date}
     instrument = instrument_metadata({"vendor": header.manufacturer_id, **dates})
-    shape, dx, dy = file.data.shape, _step(header.x_scale), _step(header.y_scale)
-    dy = dy if shape[0] > 1 else None
+    shape, dx = file.data.shape, stated_length(header.x_scale)
+    dy = stated_length(header.y_scale) if shape[0] > 1 else None
     channel = Channel("height", shape, partial(as_heights, file.data), "m", dx, dy, "m")
     # behind the heights of a binary file lies text or nothing
     trailer = file.trailer if isinstance(file.trailer, bytes) else str(file.trailer or "").encode()
@@ -38,11 +38,6 @@ def read(path: Path) -> MeasuredFile:
         raise InputFileError("a second SDF follows the first one; save each in a file of its own")
     required_size = path.stat().st_size - len(trailer) if trailer.translate(None, _TEXT) else None
     return MeasuredFile("SDF (ISO 25178-71)", [channel], "bottom", instrument, required_size=required_size)
-
-
-def _step(value: float | None) -> float | None:
-    """Return a step of the header; zero or a negative number stands for one that it does not say."""
-    return float(value) if value and np.isfinite(value) and value > 0 else None
 
 
 READER = Reader(RecognisedBy.MARK, begins_with(*_MARKS, b"aNPL-", b"bNPL-"), read, memory_per_byte=12)

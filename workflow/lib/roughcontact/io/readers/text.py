@@ -24,15 +24,7 @@ from roughcontact.io.sources import parse_lengths
 from roughcontact.io.text.axes import are_points, begins_anew, find_axes, form_a_grid, uneven, wrapped
 from roughcontact.io.text.columns import Column, are_map_columns, headed, layout, miscounted, unit_of_heights
 from roughcontact.io.text.doubts import refuse_lost_row, thousands
-from roughcontact.io.text.header import (
-    LENGTHS,
-    LONGEST_QUOTE,
-    Stated,
-    Statement,
-    contradiction,
-    disagreeing,
-    statements,
-)
+from roughcontact.io.text.header import LENGTHS, Stated, Statement, contradiction, disagreeing, statements
 from roughcontact.io.text.lines import looks_like_text, read_text
 from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import Dialect, Rows, Table, left_out, parse_table, split_text
@@ -104,7 +96,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     # from the table upwards: of several headings the nearest is that of the heights
     headings = ((each, unit_of_heights(each[1])) for each in rows.filled[: -_MAX_DISTANCE - 1 : -1])
     for (number, line), unit in [heading for heading in headings if heading[1]][:1]:
-        statement = Statement(unit, line=number, text=line.strip()[:LONGEST_QUOTE])
+        statement = Statement(unit, line=number, text=line.strip())
         by_meaning.setdefault("height_unit", []).append(statement)
     # a row above the table that a word keeps out of it would be a line of the map that is lost
     refuse_lost_row(rows, width, dialect)

@@ -89,7 +89,7 @@ class Statement(NamedTuple):
     text: str = ""
 
     def __str__(self) -> str:
-        return f"line {self.line} says {self.text!r}"
+        return f"line {self.line} says {self.text[:LONGEST_QUOTE]!r}"
 
 
 class Stated(dict[str, list[Statement]]):
@@ -153,7 +153,7 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
         # all pieces are entries, or the line is one
         is_whole = is_single or (entries and all(entries))
         for meaning, statement in chain(*entries) if is_whole else _parsed(text, sign):
-            located = statement._replace(line=number, text=text[:LONGEST_QUOTE])
+            located = statement._replace(line=number, text=text)
             by_meaning.setdefault(meaning, []).append(located)
     return by_meaning
 
