@@ -194,9 +194,12 @@ girado 90 grados; ruotato di 90°; Spalten sind Zeilen; Vertiefungen positiv; Le
 Täler positiv; Abstand zum Sensor; distance sensor-surface; working distance minus height; first derivative
 Steigung; pente; pendiente; intensity image; Grauwerte; niveaux de gris; Kamerabild; phase image; Amplitude
 error map; difference of two maps; Differenz zweier Messungen; thickness map; Schichtdicke; in fringes
-Optical path difference; λ/2 units"""
+Optical path difference; λ/2 units; Rückhub; Scan: return; Sens de palpage : retour; Corsa di ritorno
+Trazado de vuelta; Direction = backward; right → left; Tastrichtung: zurück; Pendenze; Carte des pentes
+Mapa de pendientes; Steigungsprofil; Local slope along the trace; Curvature map; Phasenbild; Carte de phase"""
 SCALED = (
-    "Werte mit 10 multipliziert; Höhen mal 10; Höhen × 10; x10; Verstärkung 10; facteur 10; scaled by 0.1"
+    "Werte mit 10 multipliziert; Höhen mal 10; Höhen × 10; x10; Verstärkung 10; facteur 10; scaled by 0.1; "
+    "Signal gain: 10; Amplification du signal 10; Guadagno: 10; Ganancia 10; Z-Faktor 10"
 )
 THINNED = """jede vierte Zeile; une ligne sur quatre; una de cada cuatro líneas; una riga ogni quattro
 half size; Maßstab 1:2; gemittelt über 2 x 2 Pixel; resampled to 50 %; verkleinert auf 50 %
