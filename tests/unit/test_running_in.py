@@ -5,6 +5,7 @@ import pytest
 from running_in import MODULUS, PITCH, WEAR, even, random_ratio, rough, run_to_the_end
 
 import roughcontact as rc
+from roughcontact.statistics.running_in import running_in_distance
 
 
 def run(face, distances, *, tolerance=np.inf, wear=WEAR, modulus=MODULUS, load=5e6, **options):
@@ -87,11 +88,23 @@ def test_steps_converge_in_first_order_and_keep_the_bound(face, far, fine):
         assert missed < float(worn["time_error_bound"][-1])
 
 
-@pytest.mark.parametrize(("tolerance", "most_steps"), [(0.1, 12), (0.02, 25)])
+@pytest.mark.parametrize(("tolerance", "most_steps"), [(0.1, 12), (0.02, 25), (0.002, 250)])
 def test_steps_are_chosen_by_the_bound(face, far, fine, tolerance, most_steps):
     worn = run(face, [0.01 * far, far], tolerance=tolerance)
     assert error(worn, fine) < float(worn["time_error_bound"][-1]) <= tolerance * float(face.std())
     assert int(worn["wear_steps"][-1]) <= most_steps
+
+
+def test_a_solver_that_leaves_more_open_than_the_tolerance_is_refused(face, far):
+    with pytest.raises(rc.ConvergenceError, match="give a smaller solver_tolerance"):
+        run(face, [far], tolerance=1e-9, solver_tolerance=0.5)
+
+
+def test_the_running_in_distance_of_an_area_that_grows_as_the_logarithm():
+    """A = a (1 + ln s): A(2 s)/A(s) = 1.1 at ln s = 10 ln 2 - 1."""
+    distances = np.geomspace(1, 4000, 7)
+    found = running_in_distance(distances, 0.1 * (1 + np.log(distances)))
+    assert found == pytest.approx(1024 / np.e, rel=1e-12)
 
 
 def test_the_bound_of_random_runs_is_never_below_the_error():

@@ -37,15 +37,15 @@ from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import nondimensionalise
 from roughcontact.contact.solve import elasticity, periodic_solutions, solve_contact
-from roughcontact.errors import SettingsError
+from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.statistics.contact_statistics import contact_statistics
 
-STEP_SHARE = 0.1  # of what remains of the squared tolerance, for each step
+FIRST_SHARE = 0.1  # of the squared tolerance, for the first step
+SHORTEST = 1e-6  # of the first step: a solver that leaves too much open makes it shorter and shorter
 CONVEXITY = 5 / 18  # share of ||p(h) - p(h')||^2 that the convexity of Phi takes off the bound of a step
 SAFETY, MAX_GROWTH = 0.8, 4.0  # of the next step: below its predicted length, and over the last one
 SETTLED = 1.1  # ratio of the contact areas after and before a doubling of the distance
-_STARTS = 2000  # of doublings that are tried
 
 
 class _Worn(NamedTuple):
@@ -196,7 +196,8 @@ def worn_faces(
     `contact` is that of the face at one load; `wear` is the coefficient (1/Pa), `tolerance` relative to the
     rms height. The squared bound grows by D = k Δs (Phi(h) - Phi(h')) - mean (h' - h)^2 in each step, by at
     most k^2 Δs^2 times a quarter of the variance of the pressure before it: the first step is as long as that
-    allows. D of short steps grows as their cube, which predicts those that follow.
+    allows. Of what remains of the squared tolerance each has its part of the logarithm of the distance that
+    remains, so that some is left to the end; D of short steps grows as their cube, which predicts the next.
 
     Yields
     ------
@@ -206,24 +207,31 @@ def worn_faces(
     solve = partial(_solved, like=contact, threads=threads)
     worn = _Worn(0.0, contact, *_bounds(contact, material))
     yield worn
-    allowed, length = (tolerance * float(worn.height.std())) ** 2, 0.0
+    allowed, spread = (tolerance * float(worn.height.std())) ** 2, float(worn.pressure.std())
+    first = 2 * math.sqrt(FIRST_SHARE * allowed) / (wear * spread) if spread > 0 else math.inf
+    length = first = min(first, distances[-1])
     for end in distances:
         while worn.distance < end:
-            share = STEP_SHARE * max(allowed - worn.squared_error, 0.0)
-            spread = float(worn.pressure.std())
-            certain = 2 * math.sqrt(share) / (wear * spread) if spread > 0 else math.inf
-            length = max(length, certain)
             step = min(length, end - worn.distance)
             worn_after = _step(worn, material, wear, step, solve)
+            part = FIRST_SHARE
+            if worn.distance > 0:
+                part = math.log1p(step / worn.distance) / math.log(distances[-1] / worn.distance)
+            share = part * (allowed - worn.squared_error)
             growth = worn_after.squared_error - worn.squared_error
-            factor = min(SAFETY * (share / growth) ** (1 / 3), MAX_GROWTH) if growth > 0 else MAX_GROWTH
+            factor = min(SAFETY * math.sqrt(share / growth), MAX_GROWTH) if growth > 0 else MAX_GROWTH
+            if growth > share:
+                length = factor * step
+                if length < SHORTEST * first:
+                    raise ConvergenceError(
+                        f"after {worn.distance:g} m the solver leaves more open than the tolerance allows; "
+                        f"give a smaller solver_tolerance, or a larger tolerance than {tolerance:g}"
+                    )
+                continue
             # a step that was cut short to end at a distance says nothing against a longer one
             length = factor * step if step == length else max(length, factor * step)
-            if growth <= share or step <= certain:
-                worn = worn_after._replace(distance=end) if step == end - worn.distance else worn_after
-                yield worn
-            else:
-                length = factor * step
+            worn = worn_after._replace(distance=end) if step == end - worn.distance else worn_after
+            yield worn
 
 
 def _step(
@@ -294,13 +302,15 @@ def running_in_distance(distances: np.ndarray, areas: np.ndarray) -> float:
     doubling = math.log(2)
     if not logarithm.size or logarithm[-1] - doubling < logarithm[0]:
         return math.nan
-    starts = np.linspace(logarithm[0], logarithm[-1] - doubling, _STARTS)
-    ratios = np.interp(starts + doubling, logarithm, area) / np.interp(starts, logarithm, area)
-    growing = np.flatnonzero(ratios >= SETTLED)
+    # linear between the ends of steps, and half of those
+    starts = np.unique(np.concatenate([logarithm, logarithm - doubling]))
+    starts = starts[(starts >= logarithm[0]) & (starts <= logarithm[-1] - doubling)]
+    excess = np.interp(starts + doubling, logarithm, area) - SETTLED * np.interp(starts, logarithm, area)
+    growing = np.flatnonzero(excess >= 0)
     if not growing.size:
         return 0.0
-    last = int(growing[-1])
-    return math.nan if last == _STARTS - 1 else float(np.exp(starts[last + 1]))
+    last = slice(growing[-1], growing[-1] + 2)
+    return float(np.exp(np.interp(0.0, -excess[last], starts[last]))) if excess[-1] < 0 else math.nan
 
 
 def _numbers(worn: _Worn, first: xr.Dataset, settings: Mapping[str, Any]) -> xr.Dataset:
