@@ -203,6 +203,15 @@ def test_a_layer_of_either_body_is_not_worn_through_without_a_word(face, far):
             run(face, [far], modulus=None, bodies=order, tolerance=0.1)
 
 
+def test_the_height_parameters_of_all_distances_are_those_of_the_window(face):
+    """The levelled map that it is cut from has others; Sq is the root mean square (ISO 25178-2)."""
+    levelled = rc.level(face[:, : face.shape[1] // 2])
+    window = rc.periodic_window(levelled)
+    assert abs(levelled.attrs["Sq"] / float(window.std()) - 1) > 0.02
+    worn = run(window, [0.0, 1e-9], tolerance=0.1)
+    np.testing.assert_allclose(worn["Sq"], float(window.std()), rtol=1e-6)
+
+
 def test_a_flat_face_wears_evenly():
     flat = rc.height_map(np.zeros((8, 8)), PITCH)
     worn = run(flat, [1.0], tolerance=0.02)

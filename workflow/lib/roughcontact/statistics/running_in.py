@@ -40,6 +40,7 @@ from roughcontact.contact.solve import elasticity, periodic_solutions, solve_con
 from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.surface.roughness.record import own_parameters
 
 FIRST_SHARE = 0.1  # of the squared tolerance, for the first step
 SHORTEST = 1e-6  # of the first step: a solver that leaves too much open makes it shorter and shorter
@@ -160,6 +161,8 @@ def run_in(
     load = check_positive("mean_pressure", mean_pressure, unit="Pa")
     options: dict[str, Any] = {"contact_modulus": contact_modulus, "bodies": bodies, "hardness": hardness}
     options |= {"influence": influence, "zero_frequency": zero_frequency}
+    # the parameters of worn faces are of the window, not of the levelled map
+    window = own_parameters(window)
     first = solve_contact(window, **options, mean_pressure=load, tolerance=solver_tolerance, threads=threads)
     faces = worn_faces(first, elasticity(**options), wear, distances, tolerance=tolerance, threads=threads)
     checked_bodies = check_bodies(bodies) if bodies else []  # either may have the face

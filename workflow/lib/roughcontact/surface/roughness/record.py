@@ -24,6 +24,11 @@ def renew_parameters(height: xr.DataArray) -> xr.DataArray:
     """
     if math.isclose(height.attrs.get(_SUMMIT, math.nan), _summit(height), rel_tol=_SAME):
         return height
+    return own_parameters(height)
+
+
+def own_parameters(height: xr.DataArray) -> xr.DataArray:
+    """Return a map (y, x; m) with its own height parameters, where others describe what it was cut from."""
     points = height.where(height["filled"] == 0) if "filled" in height.coords else height
     result = height.copy(deep=False)
     result.attrs = {name: value for name, value in height.attrs.items() if name != "row_jitter"}
