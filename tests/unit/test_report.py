@@ -308,15 +308,14 @@ def test_the_summary_of_a_panel_lies_beside_it(page, tmp_path):
     assert "<script" not in (page.parent / "all" / "holes" / "panel.html").read_text(encoding="utf-8")
 
 
-def test_cases_stand_side_by_side(tmp_path):
-    runs = [run_surface(tmp_path, "one", rough(shape=(32, 32)), case=case) for case in ("soft", "hard")]
-    text = assemble(tmp_path, runs).read_text(encoding="utf-8")
+def test_cases_stand_side_by_side(many, tmp_path):
+    text = assemble(tmp_path, many[::7]).read_text(encoding="utf-8")
     for case in ("soft", "hard"):
-        assert f'id="surface-{case}--one"' in text
-        assert f"one · {case}" in text
+        assert f'id="surface-{case}--s-0"' in text
+        assert f"s-0 · {case}" in text
     (nav,) = re.findall(r"<nav.*?</nav>", text, re.DOTALL)
     rows_shown = re.findall(
-        r'class="case">(\w+):</span> <a href="#surface-\1--one">.*? stroke-dasharray="(.*?)"', nav
+        r'class="case">(\w+):</span> <a href="#surface-\1--s-0">.*? stroke-dasharray="(.*?)"', nav
     )
     assert rows_shown == [("soft", ""), ("hard", "6 3")]
     assert (
@@ -941,28 +940,32 @@ def test_the_sources_of_the_interval_and_the_results_by_the_shortest_wave():
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory):
-    """An index of seven surfaces under two cases and one failure, and their pages."""
+def many(tmp_path_factory):
+    """The entries of seven surfaces under two cases."""
     folder = tmp_path_factory.mktemp("many")
-    runs = [
+    return [
         run_surface(folder, f"s-{seed}", rough(seed, shape=(24, 24)), case=case)
         for case in ("soft", "hard")
         for seed in range(7)
     ]
+
+
+@pytest.fixture(scope="module")
+def study(many):
+    """An index of these and one failure, and their pages."""
     failures = [{"surface": "bad", "case": "soft", "reason": "bad.txt: <empty>"}]
-    return assemble(folder, runs, failures=failures)
+    return assemble(many[0]["statistics"].parents[2], many, failures=failures)
 
 
-def test_the_page_of_a_surface_names_the_cases_that_failed(tmp_path):
-    runs = [run_surface(tmp_path, f"s-{seed}", rough(1, shape=(24, 24)), case="soft") for seed in range(12)]
-    failures = [{"surface": "s-3", "case": "hard", "reason": "no <b> hardness"}]
-    index = assemble(tmp_path, runs, failures=failures)
+def test_the_page_of_a_surface_names_the_cases_that_failed(many, tmp_path):
+    failures = [{"surface": "s-3", "case": "third", "reason": "no <b> hardness"}]
+    index = assemble(tmp_path, many, failures=failures)
     # also where no surface has results under it
-    assert "<option>soft</option><option>hard</option>" in index.read_text(encoding="utf-8")
+    assert "<option>hard</option><option>third</option>" in index.read_text(encoding="utf-8")
     pages = index.parent / "pages"
-    for seed in range(12):
+    for seed in range(7):
         text = (pages / f"s-{seed}.html").read_text(encoding="utf-8")
-        assert ("s-3 · hard" in text) == ("no &lt;b&gt; hardness" in text) == (seed == 3)
+        assert ("s-3 · third" in text) == ("no &lt;b&gt; hardness" in text) == (seed == 3)
 
 
 def test_a_profile_has_no_answer_on_sealing_anywhere(page):
@@ -1229,26 +1232,26 @@ def test_a_difference_that_is_nearly_certain_has_no_more_digits_than_a_hundredth
 
 
 def test_the_page_says_that_cases_share_no_load(tmp_path):
+    cases = {"soft": [1e6, 2e6], "hard": [4e6, 5e6]}
     runs = [
         run_surface(tmp_path, "one", rough(shape=(24, 24)), case=case, loads=loads)
-        for case, loads in (("soft", [1e6, 2e6]), ("hard", [4e6, 5e6]))
+        for case, loads in cases.items()
     ]
-    settings = {"soft": {"contact": {"contact_modulus": 2e9, "mean_pressure": [1e6, 2e6]}}}
-    settings |= {"hard": {"contact": {"contact_modulus": 2e9, "mean_pressure": [4e6, 5e6]}}}
+    contact = {"contact_modulus": 2e9}
+    settings = {case: {"contact": contact | {"mean_pressure": loads}} for case, loads in cases.items()}
     text = assemble(tmp_path, runs, settings=settings).read_text(encoding="utf-8")
     part = text.partition('<section id="cases">')[2].partition("</section>")[0]
     assert "no load in common (soft: 1.00 MPa to 2.00 MPa; hard: 4.00 MPa to 5.00 MPa)" in part
     assert "<table" not in part
     # a target may take other loads
-    target = {name: {"contact": {"contact_modulus": 2e9, "target_area": [0.1, 0.2]}} for name in settings}
+    target = {name: {"contact": contact | {"target_area": [0.1, 0.2]}} for name in settings}
     same = assemble(tmp_path, runs, settings=target).read_text(encoding="utf-8")
     assert "1.00 MPa / 4.00 MPa" in same.partition('<section id="cases">')[2]
 
 
 @in_browser
-def test_loads_have_a_row_of_their_own_on_a_phone(tmp_path):
-    runs = [run_surface(tmp_path, "one", rough(shape=(24, 24)), case=case) for case in ("soft", "hard")]
-    text = assemble(tmp_path, runs).read_text(encoding="utf-8")
+def test_loads_have_a_row_of_their_own_on_a_phone(many, tmp_path):
+    text = assemble(tmp_path, many[::7]).read_text(encoding="utf-8")
     # words in a last cell, as of differences between groups
     text = re.sub(r'(<td data-label="[^"]*")>([^<]*</td></tr>)', r'\1 class="text outcome">\2', text)
     probe = """<script>addEventListener("load", () => {
@@ -1342,14 +1345,11 @@ def axes_of_charts(text):
     return axes
 
 
-@pytest.mark.parametrize("surfaces", [1, 12])
-def test_a_file_that_fails_under_several_cases_is_listed_once(tmp_path, surfaces):
-    runs = [
-        run_surface(tmp_path, f"s-{seed}", rough(1, shape=(24, 24)), case="soft") for seed in range(surfaces)
-    ]
+@pytest.mark.parametrize("results", [1, 14])
+def test_a_file_that_fails_under_several_cases_is_listed_once(many, tmp_path, results):
     failures = [{"surface": "bad", "case": case, "reason": "bad.txt: empty"} for case in ("soft", "hard")]
     failures.append({"surface": "bad", "case": "rough", "reason": "another"})
-    text = assemble(tmp_path, runs, failures=failures).read_text(encoding="utf-8")
+    text = assemble(tmp_path, many[:results], failures=failures).read_text(encoding="utf-8")
     assert "3 without results" in text
     assert text.count("bad.txt: empty") == text.count("soft, hard<") == 1
     assert text.count('<tr class="failure"') == 2
