@@ -675,7 +675,7 @@ def check_intervals(numbers):
 
 
 TRIPLES = [
-    pytest.param(number, marks=[pytest.mark.slow] * (number >= 24)) for number in range(200)
+    pytest.param(number, marks=[pytest.mark.slow] * (number >= 12)) for number in range(200)
 ]  # each a seed
 
 

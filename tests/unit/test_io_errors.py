@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from option_pairs import every_pair
 
 import roughcontact
 from roughcontact import InputFileError, inspect_file, read_height_map
@@ -47,24 +48,21 @@ def file_of(read):
     return lambda path: MeasuredFile("kind", [Channel("z", (2, 2), read, "m", 1.0, 1.0, "m")], "top")
 
 
-@pytest.fixture(params=[name for name, _ in readers()])
-def reader(request, monkeypatch):
-    """A function that replaces parts of a registered reader, which then takes every file that is left."""
-    module = import_module(f"roughcontact.io.readers.{request.param}")
-
-    def replaced(**parts):
-        parts = {"recognises": lambda path, head: True, "memory_per_byte": 0, "binary": False} | parts
-        monkeypatch.setattr(module, "READER", replace(module.READER, **parts))
-
-    return replaced
-
-
-@pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
-@pytest.mark.parametrize("stage", ["recognises", "read", "channel"])
-def test_every_error_of_every_reader_is_a_sentence_on_its_file(tmp_path, capsys, reader, error, stage):
+@pytest.mark.parametrize(
+    ("reader", "error", "stage"),
+    every_pair([name for name, _ in readers()], ERRORS, ["recognises", "read", "channel"]),
+    ids=lambda part: part if isinstance(part, str) else type(part).__name__,
+)
+def test_every_error_of_every_reader_is_a_sentence_on_its_file(
+    tmp_path, capsys, monkeypatch, reader, error, stage
+):
+    """The reader takes every file that is left, and raises."""
     path = tmp_path / "map.dat"
     path.write_bytes(b"1 2\n3 4\n\0")  # with a row of numbers, but no text
-    reader(**{"read": file_of(raises(error))} if stage == "channel" else {stage: raises(error)})
+    module = import_module(f"roughcontact.io.readers.{reader}")
+    parts = {"recognises": lambda path, head: True, "memory_per_byte": 0, "binary": False}
+    parts |= {"read": file_of(raises(error))} if stage == "channel" else {stage: raises(error)}
+    monkeypatch.setattr(module, "READER", replace(module.READER, **parts))
     with pytest.raises(InputFileError, match=r"needs more memory|cannot be read") as caught:
         read_height_map(path)
     assert str(caught.value).startswith(f"{path}: ")

@@ -32,10 +32,10 @@ def evaluated(height, *, load=LOAD, bodies=BODIES, sources=(), **statistics):
 
 
 @pytest.mark.parametrize("name", NUMBERS)
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(5))
 def test_heights_of_the_largest_roughness_just_meet_the_requirement(seed, name):
     variable, power, tolerance = NUMBERS[name]
-    factor = np.geomspace(0.5, 2, 10)[seed]
+    factor = np.geomspace(0.5, 2, 5)[seed]
     height = rough(seed)
     # elastic: heights s times as large at p are these at p/s (Johnson 1985, by the scales of the problem)
     wanted = factor**power * float(evaluated(height, load=LOAD / factor)[variable][0])
