@@ -3,7 +3,7 @@
 import shutil
 
 import pytest
-from small_project import QUICK, ROOT, Project, write_maps
+from small_project import QUICK, ROOT, project_with_maps
 
 collect_ignore = ["conda_environment.py"]  # a program that needs conda's parser: .ci/run installs it
 
@@ -19,28 +19,24 @@ def checkout(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory, checkout):
-    """A project, in a folder whose name has spaces, in which the workflow has run once from elsewhere."""
-    project = Project(tmp_path_factory.mktemp("first") / "a study with spaces", checkout)
-    write_maps(project.path("measured"))
-    project.write()
-    project.first = project.succeed()
+    """A project, in a folder whose name has spaces, in which the workflow has run once from elsewhere.
+
+    Each job was a process of its own, as under a plain `snakemake`.
+    """
+    project = project_with_maps(tmp_path_factory.mktemp("first") / "a study with spaces", checkout)
+    project.first = project.succeed("--executor", "local")
     return project
 
 
 @pytest.fixture(scope="session")
 def finished_quickly(tmp_path_factory, checkout):
     """A project in which the workflow has run once without intervals: to be copied, not changed."""
-    project = Project(tmp_path_factory.mktemp("finished") / "project", checkout)
-    write_maps(project.path("measured"))
-    project.write(QUICK)
-    project.succeed()
+    project = project_with_maps(tmp_path_factory.mktemp("finished") / "project", checkout, QUICK)
+    project.first = project.succeed("--logger", "roughcontact")
     return project
 
 
 @pytest.fixture
 def project(tmp_path, checkout):
     """A project with maps, table and settings in which nothing has run."""
-    project = Project(tmp_path / "project", checkout)
-    write_maps(project.path("measured"))
-    project.write()
-    return project
+    return project_with_maps(tmp_path / "project", checkout)

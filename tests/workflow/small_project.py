@@ -1,11 +1,14 @@
 """A small project to run the workflow in: two maps, a table and settings, in a folder of its own."""
 
+import csv
 import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
+import psutil
 import yaml
 
 from roughcontact.surface.synthetic import self_affine_surface
@@ -16,6 +19,8 @@ SETTINGS = {
     "contact": {"contact_modulus": "1e9", "relative_pressure": [0.05, 0.2], "tolerance": "1e-6"},
 }
 QUICK = SETTINGS | {"uncertainty": {"sources": []}}
+# as `roughcontact run` does
+FORKS = ("--executor", "roughcontact", "--scheduler", "greedy") if sys.platform == "linux" else ()
 TABLE = (
     "surface\tpath\tunit\tdx\tdy",
     "ground\tmeasured/ground.npy\tum\t2\t1",
@@ -50,9 +55,21 @@ class Project:
 
     def succeed(self, *arguments) -> subprocess.CompletedProcess:
         """Run the workflow to its end, without an error."""
-        run = self.run(*arguments)
+        run = self.run(*FORKS, *arguments)
         assert run.returncode == 0, run.stderr
         return run
+
+    def start(self, *arguments, **options) -> psutil.Popen:
+        """Start the workflow and return its process; what it says goes to the file `said`."""
+        with self.path("said").open("w") as output:
+            return psutil.Popen(self.command(*arguments), stdout=output, stderr=output, **options)
+
+    def wait_for(self, run, condition):
+        """Return the first value of a function that is true, while a run is at work."""
+        while not (value := condition()):
+            assert run.poll() is None, self.path("said").read_text()
+            time.sleep(0.002)
+        return value
 
     def jobs(self, *arguments) -> dict[str, int]:
         """Return how many jobs of each rule a run would have, the final target left out."""
@@ -61,6 +78,11 @@ class Project:
     def path(self, name: str) -> Path:
         """Return the path of a file of this folder."""
         return self.folder / name
+
+    def rows(self, name: str) -> list[dict[str, str]]:
+        """Return the rows of a table of the results."""
+        with self.path(f"results/{name}").open(newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
 
 
 def counted(run) -> dict[str, int]:
@@ -79,11 +101,14 @@ def write_maps(folder: Path):
     np.savetxt(folder / "turned.txt", turned, fmt="%.6g")
 
 
-def project_of_cases(folder, checkout, contact, cases):
-    """A project of one map without a ±, under cases that differ in what follows the contact."""
+def project_with_maps(folder, checkout, settings=SETTINGS, table=TABLE):
+    """A project with two maps, table and settings in which nothing has run."""
     project = Project(folder, checkout)
     write_maps(project.path("measured"))
-    settings = {key: value for key, value in SETTINGS.items() if key != "contact"}
-    settings |= {"contact": contact, "cases": cases, "uncertainty": {"sources": []}}
-    project.write(settings, TABLE[:2])
+    project.write(settings, table)
     return project
+
+
+def project_of_cases(folder, checkout, contact, cases):
+    """A project of one map without a ±, under cases that differ in what follows the contact."""
+    return project_with_maps(folder, checkout, QUICK | {"contact": contact, "cases": cases}, TABLE[:2])

@@ -136,6 +136,18 @@ def click(browser, selector):
     browser.evaluate(f"document.querySelector({json.dumps(selector)}).click()")
 
 
+def show(browser, address):
+    """Open the page and wait until its first answer is there."""
+    browser.open(address)
+    browser.wait("document.querySelector('#preview pre')")
+
+
+def ask(browser, job):
+    """Choose a question and wait for its fields."""
+    click(browser, f"[name='page.job'][value={job}]")
+    browser.wait(f"document.querySelector('#fields h2').textContent === '3 {JOBS[job].question}'")
+
+
 def picture(browser, name, selector="html"):
     """Keep a picture where the variable ROUGHCONTACT_PICTURES names a folder: those of the page on it."""
     if folder := os.environ.get("ROUGHCONTACT_PICTURES"):
@@ -383,8 +395,7 @@ class TestJobs:
     @pytest.mark.parametrize("job", JOBS)
     def test_its_fields(self, browser, job):
         entry = JOBS[job]
-        click(browser, f"[name='page.job'][value={job}]")
-        browser.wait(f"document.querySelector('#fields h2').textContent === '3 {entry.question}'")
+        ask(browser, job)
         shown = browser.evaluate(
             "[...document.querySelectorAll('#fields .field')].filter(field => field.checkVisibility())"
             ".map(field => field.dataset.field)"
@@ -428,8 +439,7 @@ class TestJobs:
         picture(browser, f"app-job-{job}")
 
     def test_more_has_every_setting_once(self, browser):
-        click(browser, "[name='page.job'][value=ball]")
-        browser.wait("document.querySelector('#fields h2').textContent === '3 Ball on flat'")
+        ask(browser, "ball")
         browser.evaluate("document.querySelectorAll('details').forEach(part => { part.open = true; })")
         names = browser.evaluate(
             "[...document.querySelectorAll('[data-field]')].map(field => field.dataset.field)"
@@ -459,8 +469,7 @@ class TestJobs:
         assert re.findall(f".*(?:{words}).*", text) == []
 
     def test_mistakes_stand_beside_the_fields_of_the_question_and_lead_there(self, browser):
-        click(browser, "[name='page.job'][value=seal]")
-        browser.wait("document.querySelector('#fields h2').textContent === '3 Does it seal?'")
+        ask(browser, "seal")
         assert browser.text("#mistakes").split("\n")[1:-1] == ["name the materials of both bodies"]
         texts = {"contact.bodies.0.material": "stel", "contact.bodies.1.material": "NBR", "level.order": "x"}
         for name, text in texts.items():
@@ -481,23 +490,19 @@ class TestJobs:
         saved(browser)
 
     def test_a_comparison_asks_for_two_groups(self, browser):
-        click(browser, "[name='page.job'][value=differ]")
-        browser.wait("document.querySelector('#fields h2').textContent === '3 Is A different from B?'")
+        ask(browser, "differ")
         assert "tick the files of A, set group to A, then those of B" in browser.text("#run .doubt")
-        click(browser, "[name='page.job'][value=seal]")
-        browser.wait("document.querySelector('#fields h2').textContent === '3 Does it seal?'")
+        ask(browser, "seal")
         assert not browser.evaluate("document.querySelector('#run .doubt')")
 
     def test_loads_of_another_question_are_set_aside_and_come_back(self, browser):
-        click(browser, "[name='page.job'][value=ball]")
-        browser.wait("document.querySelector('#fields h2').textContent === '3 Ball on flat'")
+        ask(browser, "ball")
         fill(browser, "contact.force", "5 N")
         fill(browser, "form.radius", "5 mm")
         saved(browser)
         config = lambda: yaml.safe_load(browser.text("#preview pre"))  # noqa: E731
         assert config()["contact"] == {"boundary": "free", "force": ["5 N"]}
-        click(browser, "[name='page.job'][value=seal]")
-        browser.wait("document.querySelector('#fields h2').textContent === '3 Does it seal?'")
+        ask(browser, "seal")
         assert "contact" not in (config() or {})
         fill(browser, "contact.mean_pressure", "2,5 MPa")
         browser.wait("document.querySelector(\"[data-of='contact.mean_pressure']\").textContent")
@@ -538,8 +543,7 @@ class TestJobsToTheirAnswers:
 
         with served(tmp_path / "study") as address:
             chromium.start_again()
-            chromium.open(address)
-            chromium.wait("document.querySelector('#preview pre')")
+            show(chromium, address)
             step(click, f"[name='page.job'][value={job}]")
             # those that are new are ticked: what the question asks of each file is set for all of them
             groups = {"differ": {"A": files[:3], "B": files[3:]}, "profile": {"none": files}}
@@ -576,8 +580,7 @@ class TestMap:
         (study / "measured/ramp.sdf").write_bytes(sdf_bytes(ramp, 1e-6))
         with served(study) as address:
             browser.resize(1400)
-            browser.open(address)
-            browser.wait("document.querySelector('#preview pre')")
+            show(browser, address)
             fill_path = "document.querySelector('#path')"
             browser.evaluate(f"{fill_path}.value = 'measured'; {fill_path}.form.requestSubmit()")
             rows_read(browser, 1)
@@ -933,13 +936,21 @@ def shapes():
     yield {"surfaces": "/dev/zero"}
 
 
+@pytest.fixture
+def small_study(tmp_path, monkeypatch):
+    """A working folder with three maps, of which no table says anything yet."""
+    monkeypatch.chdir(tmp_path)
+    maps(tmp_path / "measured", 8)
+    (tmp_path / "config").mkdir()
+
+
 class TestFilesOfOthers:
     """Whatever the files of the study hold, each answer is a page or a sentence."""
 
+    pytestmark = pytest.mark.usefixtures("small_study")
+
     @pytest.mark.parametrize("part", range(4))
-    def test_settings_of_any_shape(self, part, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
-        (tmp_path / "config").mkdir()
+    def test_settings_of_any_shape(self, part, tmp_path):
         for config in [*shapes()][part::4]:
             (tmp_path / "config/config.yaml").write_text(yaml.safe_dump(config))
             page = Page()
@@ -959,26 +970,20 @@ class TestFilesOfOthers:
                 assert any(re.match(rf"{re.escape(name)}\b.*[:=]", line) for line in lines_shown), config
 
     @pytest.mark.parametrize("header", ["surface\tpath\ta.b", "surface\tpath\tpath", "surface\tpath\t0\t"])
-    def test_tables_of_any_header(self, header, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
-        (tmp_path / "config").mkdir()
+    def test_tables_of_any_header(self, header, tmp_path):
         (tmp_path / "config/surfaces.tsv").write_text(f"{header}\none\tone.x3p\tx\n")
         page = Page()
         page_text = page.first("a page")
         answer = page_text + page.after("check", form_fields(page_text))
         assert re.search("unknown, valid are|occurs twice", answer)
 
-    def test_a_file_is_opened_once(self, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
-        maps(tmp_path / "measured", 8)
+    def test_a_file_is_opened_once(self, monkeypatch):
         paths, recognised = [], registry.recognised
         monkeypatch.setattr(registry, "recognised", lambda path: paths.append(path) or recognised(path))
         assert measurements.inspect({"path": "measured/one.x3p"})["picture"].startswith(b"\x89PNG")
         assert len(paths) == 1
 
-    def test_readers_and_figures_that_raise_anything(self, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
-        maps(tmp_path / "measured", 8)
+    def test_readers_and_figures_that_raise_anything(self, monkeypatch):
         for module, name in ((registry, "recognised"), (inspection, "convert"), (measurements, "coloured")):
             for error in (IndexError("list index out of range"), RecursionError(), MemoryError(), OSError()):
 
@@ -994,8 +999,7 @@ class TestFilesOfOthers:
                             error,
                         )
 
-    def test_summaries_of_any_content(self, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
+    def test_summaries_of_any_content(self, tmp_path):
         path = tmp_path / "results/one/panel.json"
         write_summary(SUMMARY, path)
         assert "<b>one</b>: " in Page().after("check", {})
@@ -1006,8 +1010,7 @@ class TestFilesOfOthers:
                 assert "results/one/panel.json: no summary of a panel; delete " in answer
                 assert "4 Run" in answer
 
-    def test_what_never_ends_is_not_read(self, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
+    def test_what_never_ends_is_not_read(self, tmp_path):
         for name in ("pipe", "zeros", "sparse", "numbers"):
             (tmp_path / "results" / name).mkdir(parents=True)
         os.mkfifo(tmp_path / "results/pipe/panel.json")
@@ -1022,7 +1025,6 @@ class TestFilesOfOthers:
         assert "Of other settings or another measured file" in answer
 
     def test_a_folder_of_results_is_one_word_of_a_command(self, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
         name, sent = "x -o y/z", []
         write_summary(SUMMARY, tmp_path / "results" / name / "panel.json")
         process = subprocess.CompletedProcess([], 0, "", "")
@@ -1031,9 +1033,7 @@ class TestFilesOfOthers:
             commands.export(name, form, name, plan=None)
             assert len(sent[-1]) == len([*commands._PROGRAM, *commands.EXPORTS[form][1].split()])
 
-    def test_results_of_another_measured_file_or_other_settings(self, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
-        maps(tmp_path / "measured", 8)
+    def test_results_of_another_measured_file_or_other_settings(self, tmp_path):
         page, note = Page(), "Of other settings or another measured file: run again."
         page.after("write", STUDY)
         settings = json.dumps(page.plan.settings("statistics", "one"), sort_keys=True)
@@ -1053,7 +1053,7 @@ class TestFilesOfOthers:
         bar, _, _ = page.with_bar(Path("results/report.html"), "/").partition("old")
         assert "1 of other settings or another measured file: run again" in bar
 
-    def test_an_unforeseen_error_is_a_sentence_of_the_page(self, tmp_path, monkeypatch):
+    def test_an_unforeseen_error_is_a_sentence_of_the_page(self, tmp_path):
         with served(tmp_path / "study") as address:
             press = opened(address)
             for action, form in (("set", {}), ("add", {}), ("more", {}), ("check", {"page.pick.x": ""})):
@@ -1173,8 +1173,7 @@ class TestPages:
 
     def test_a_page_says_that_the_program_has_ended(self, tmp_path, browser):
         with served(tmp_path / "study") as address:
-            browser.open(address)
-            browser.wait("document.querySelector('#preview pre')")
+            show(browser, address)
         browser.wait("document.querySelector('#problem').textContent.startsWith('No answer: start')")
         assert browser.problems == []
 
@@ -1182,8 +1181,7 @@ class TestPages:
         self, tmp_path, browser
     ):
         with served(tmp_path / "study") as address:
-            browser.open(address)
-            browser.wait("document.querySelector('#preview pre')")
+            show(browser, address)
             assert not browser.evaluate("document.querySelector('#show')")
             (tmp_path / "study/results").mkdir(parents=True)  # by a run in a terminal
             (tmp_path / "study/results/report.html").write_text("<html><head></head><body>old</body></html>")
@@ -1192,8 +1190,7 @@ class TestPages:
             report_open(browser)
             browser.evaluate("history.back()")
             browser.wait(f"location.href === '{address}' && document.body.ariaBusy === 'false'")
-            click(browser, "[name='page.job'][value=friction]")
-            browser.wait("document.querySelector('#fields h2').textContent === '3 Friction'")
+            ask(browser, "friction")
             assert browser.text("#problem") == ""
 
     def test_a_page_of_another_origin_gets_nothing(self, tmp_path, browser):
@@ -1201,8 +1198,7 @@ class TestPages:
         (tmp_path / "study/results").mkdir(parents=True)
         (tmp_path / "study/results/secret.json").write_text('{"secret": 1}')
         with served(tmp_path / "study") as address:
-            browser.open(address)
-            browser.wait("document.querySelector('#preview pre')")
+            show(browser, address)
             name = browser.evaluate("document.body.dataset.page")
             other_site = tmp_path / "other"
             other_site.mkdir()
@@ -1262,8 +1258,7 @@ class TestPages:
 
     def test_what_is_typed_stays_when_mistakes_come_and_go(self, tmp_path, browser):
         with served(tmp_path / "study") as address:
-            browser.open(address)
-            browser.wait("document.querySelector('#preview pre')")
+            show(browser, address)
             fill(browser, "contact.bodies.0.material", "steel")
             mistake_script = "document.querySelector(\"[data-of='contact.bodies']\").textContent"
             browser.wait(f"{mistake_script}.includes('needs exactly two bodies')")
@@ -1278,8 +1273,7 @@ class TestPages:
     def test_the_focus_stays_when_mistakes_come_and_go_before_it(self, tmp_path, browser):
         maps(tmp_path / "study/measured", 8)
         with served(tmp_path / "study") as address:
-            browser.open(address)
-            browser.wait("document.querySelector('#preview pre')")
+            show(browser, address)
             browser.evaluate("document.querySelector('#preview').open = true")
             fill(browser, "path", "measured")
             browser.evaluate("document.querySelector('#adding').requestSubmit()")
@@ -1327,8 +1321,7 @@ class TestPages:
         maps(study / "measured")
         with served(study) as address:
             browser.resize(400)
-            browser.open(address)
-            browser.wait("document.querySelector('#preview pre')")
+            show(browser, address)
             browser.tab_to("[name='page.job']")
             browser.press("Space")  # the first question: does it seal?
             browser.wait("document.querySelector('#fields h2').textContent === '3 Does it seal?'")
@@ -1408,8 +1401,7 @@ class TestNothingLost:
         study = tmp_path / "study"
         maps(study / "measured", 16)
         with served(study) as address:
-            browser.open(address)
-            browser.wait("document.querySelector('#preview pre')")
+            show(browser, address)
             assert not (study / "config").exists()
             click(browser, "[name='page.job'][value=friction]")
             browser.choose_files("#choose", *(study / "measured").iterdir())
@@ -1445,8 +1437,7 @@ class TestNothingLost:
         """At random moments after a letter was typed: before it is sent, while it is written, and later."""
         generator = np.random.default_rng(7)
         with served(tmp_path / "study") as address:
-            browser.open(address)
-            browser.wait("document.querySelector('#preview pre')")
+            show(browser, address)
             click(browser, "[name='page.job'][value=friction]")
             saved(browser)
             for number in range(20):
@@ -1491,8 +1482,7 @@ class TestManyFiles:
             (study / f"measured/m{number:03}.sdf").write_bytes(sdf_bytes(heights, 1e-6))
         with served(study) as address:
             browser.resize(1400)
-            browser.open(address)
-            browser.wait("document.querySelector('#preview pre')")
+            show(browser, address)
             browser.evaluate("document.querySelector('#path').value = 'measured'")
             start = time.monotonic()
             browser.evaluate("document.querySelector('#path').form.requestSubmit()")
@@ -1556,6 +1546,8 @@ def leaves(section, prefix):
 class TestForm:
     """The form and the files stand for one another."""
 
+    pytestmark = pytest.mark.usefixtures("small_study")
+
     @pytest.mark.parametrize(
         "config",
         [
@@ -1593,10 +1585,7 @@ class TestForm:
             },
         ],
     )
-    def test_settings_survive_the_form(self, config, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
-        maps(tmp_path / "measured")
-        (tmp_path / "config").mkdir()
+    def test_settings_survive_the_form(self, config, tmp_path):
         (tmp_path / "config/config.yaml").write_text(yaml.safe_dump(config))
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tmeasured/one.x3p\n")
         page = Page()
@@ -1608,11 +1597,7 @@ class TestForm:
         assert (tmp_path / "config/config.yaml").read_text() == written
 
     @pytest.mark.parametrize("job", JOBS)
-    def test_every_question_can_be_asked_of_metals_by_the_examples_of_its_fields(
-        self, job, tmp_path, monkeypatch
-    ):
-        monkeypatch.chdir(tmp_path)
-        maps(tmp_path / "measured", 8)
+    def test_every_question_can_be_asked_of_metals_by_the_examples_of_its_fields(self, job):
         texts = {"contact.bodies.0.material": "copper", "contact.bodies.1.material": "steel"} | JOBS[job].made
         for name in JOBS[job].settings[2:]:
             texts[name] = example(name)
@@ -1628,8 +1613,6 @@ class TestForm:
         assert list(checked["plan"].results) == ["one", "two"]
 
     def test_the_channel_that_is_read_is_named(self, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
-        (tmp_path / "config").mkdir()
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tone.nid\n")
         channels = [{"name": name, "is_height": True} for name in ("Topography forward", "Topography")]
         inspection = measurements.UNREAD | {"key": "a", "channel": "Topography", "channels": channels}
@@ -1640,18 +1623,13 @@ class TestForm:
         options = re.findall("<option[^>]*>([^<]*)", page.html().partition("rows.0.channel")[2])
         assert options[:3] == ["default: Topography", "Topography forward", "Topography"]
 
-    def test_columns_are_explained_by_columns_not_by_options(self, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
-        maps(tmp_path / "measured")
-        (tmp_path / "config").mkdir()
+    def test_columns_are_explained_by_columns_not_by_options(self, tmp_path):
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tmeasured/one.x3p\n")
         page = Page().first("a page")
         assert "unit of dx and dy, and of the heights without height_unit: m" in page
         assert "--height-unit" not in page
 
-    def test_a_file_of_the_page_that_cannot_be_read_is_kept(self, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
-        maps(tmp_path / "measured", 8)
+    def test_a_file_of_the_page_that_cannot_be_read_is_kept(self, tmp_path):
         page = Page()
         page.first("a page")
         page.after("write", STUDY)
@@ -1702,17 +1680,14 @@ class TestForm:
     @pytest.mark.parametrize(
         "column", ["dx", "dy", "noise", "tip_radius", "amplification_z", "missing_value"]
     )
-    def test_nor_in_the_table(self, column, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
-        maps(tmp_path / "measured", 8)
+    def test_nor_in_the_table(self, column):
         row = {"surface": "one", "path": "measured/one.x3p", column: "2,5"}
         mistakes = check({}, [row])["mistakes"]
         assert re.search("decimal point|give numbers", " ".join(mistakes[f"rows.0.{column}"]))
         row[column] = "2,5 um"
         assert f"rows.0.{column}" in check({}, [row])["mistakes"]
 
-    def test_numbers_that_yaml_reads_otherwise_are_refused(self, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
+    def test_numbers_that_yaml_reads_otherwise_are_refused(self):
         for text, words in (
             ("010", "to the base of 8"),
             ("1:30", "to the base of 60"),

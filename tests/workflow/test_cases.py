@@ -4,7 +4,7 @@ import json
 import re
 
 import pytest
-from small_project import QUICK, TABLE, Project, counted, write_maps
+from small_project import FORKS, QUICK, TABLE, counted, project_with_maps
 
 from roughcontact.results.storage import read_dataset
 
@@ -16,12 +16,11 @@ def run(tmp_path, checkout):
     """A function that runs the workflow in a folder of its own and returns the project."""
 
     def run_with(cases, table=TABLE[:2], *, empty=(), **settings):
-        project = Project(tmp_path / "project", checkout)
-        write_maps(project.path("measured"))
+        settings = QUICK | {"cases": cases} | settings
+        project = project_with_maps(tmp_path / "project", checkout, settings, table)
         for name in empty:
             project.path(f"measured/{name}").touch()
-        project.write(QUICK | {"cases": cases} | settings, table)
-        project.last = project.run("--keep-going", "--logger", "roughcontact")
+        project.last = project.run(*FORKS, "--keep-going", "--logger", "roughcontact")
         return project
 
     return run_with

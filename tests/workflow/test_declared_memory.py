@@ -1,7 +1,6 @@
 """What the jobs declare against what they take, as docs/how-to/cluster.md has it in a table."""
 
 import re
-import subprocess
 import time
 from pathlib import Path
 
@@ -9,7 +8,7 @@ import numpy as np
 import psutil
 import pytest
 from known_surfaces import self_affine
-from small_project import ROOT, SETTINGS, Project, write_maps
+from small_project import ROOT, SETTINGS, Project, project_with_maps
 
 JOBS = ("prepare", "contact", "panel", "report")
 LOADS = [0.02, 0.1, 0.3]
@@ -32,20 +31,18 @@ def measured(project: Project) -> dict[str, tuple[int, float]]:
     """
     peaks = dict.fromkeys(JOBS, 0.0)
     snakemake = 0.0
-    with project.path("said").open("w+") as output:
-        run = subprocess.Popen(project.command("--cores", "1"), stdout=output, stderr=output)
-        while run.poll() is None:
-            snakemake = max(snakemake, peak(run.pid))
-            for child in psutil.Process(run.pid).children(recursive=True):
-                try:
-                    command = " ".join(child.cmdline())
-                except psutil.Error:
-                    continue
-                if (script := re.search(r"\.(\w+)\.py\b", command)) and script[1] in peaks:
-                    peaks[script[1]] = max(peaks[script[1]], peak(child.pid))
-            time.sleep(0.05)
-        output.seek(0)
-        text = output.read()
+    run = project.start("--cores", "1")
+    while run.poll() is None:
+        snakemake = max(snakemake, peak(run.pid))
+        for child in run.children(recursive=True):
+            try:
+                command = " ".join(child.cmdline())
+            except psutil.Error:
+                continue
+            if (script := re.search(r"\.(\w+)\.py\b", command)) and script[1] in peaks:
+                peaks[script[1]] = max(peaks[script[1]], peak(child.pid))
+        time.sleep(0.05)
+    text = project.path("said").read_text()
     assert run.returncode == 0, text
     declared = {}
     for rule, lines in re.findall(r"^(?:local)?rule (\w+):\n((?: .*\n)+)", text, re.MULTILINE):
@@ -81,10 +78,7 @@ def on_the_page() -> dict[str, dict[int, int]]:
 
 
 def test_memory_and_time_are_known_before_anything_ran(tmp_path):
-    project = Project(tmp_path, ROOT)
-    write_maps(project.path("measured"))
-    project.write()
-    run = project.run("--dry-run")
+    run = project_with_maps(tmp_path, ROOT).run("--dry-run")
     resource_lines = re.findall(r"^ *resources: .*mem_mb=.*$", run.stderr, re.MULTILINE)
     assert len(resource_lines) == 2 * len(JOBS[:-1]) + 1
     assert [line for line in resource_lines if "TBD" in line or "runtime=" not in line] == []

@@ -119,12 +119,10 @@ def test_a_table_that_is_not_there_is_named_before_anything_runs(project):
     assert "Traceback" not in run.stderr
 
 
-@pytest.mark.parametrize("date", ["of today", "of 2001"])
-def test_a_repeat_that_changes_is_measured_again(project, date):
+def test_a_repeat_that_changes_is_measured_again_whatever_its_date(project):
     path = project.path("measured/second.npy")
     np.save(path, np.load(path)[::-1])
-    if date == "of 2001":
-        os.utime(path, (1e9, 1e9))
+    os.utime(path, (1e9, 1e9))
     jobs = project.jobs()
     np.save(path, np.load(path)[::-1])
     assert jobs["prepare"] == 2

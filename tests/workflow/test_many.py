@@ -1,8 +1,6 @@
 """A study of many surfaces on tiny maps, to its index, with a line of the screen for each."""
 
-import csv
 import re
-import subprocess
 import time
 from contextlib import suppress
 
@@ -25,16 +23,13 @@ SETTINGS = {
 
 def followed(project, *arguments):
     """Run the workflow; return exit status, what was said, and the CPU time (s) of Snakemake alone."""
-    scheduling_time = 0.0
-    with project.path("said").open("w+", encoding="utf-8") as output:
-        run = subprocess.Popen(project.command(*arguments), stdout=output, stderr=output)
-        while run.poll() is None:
-            with suppress(psutil.Error):
-                times = psutil.Process(run.pid).cpu_times()
-                scheduling_time = max(scheduling_time, times.user + times.system)
-            time.sleep(0.2)
-        output.seek(0)
-        return run.returncode, output.read(), scheduling_time
+    scheduling_time, run = 0.0, project.start(*arguments)
+    while run.poll() is None:
+        with suppress(psutil.Error):
+            times = run.cpu_times()
+            scheduling_time = max(scheduling_time, times.user + times.system)
+        time.sleep(0.2)
+    return run.returncode, project.path("said").read_text(encoding="utf-8"), scheduling_time
 
 
 @pytest.mark.slow
@@ -58,9 +53,7 @@ def test_a_study_of_many_surfaces_goes_to_its_index(tmp_path, checkout, number):
     assert f"{results} results, {jobs} jobs" in lines
     assert len([line for line in lines if re.match(r"\w+/s\d+: done", line)]) == results
     assert len(lines) < results + 10
-    with project.path("results/summary.csv").open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == 2 * len(CASES) * number
+    assert len(project.rows("summary.csv")) == 2 * len(CASES) * number
     pages = list(project.path("results/pages").rglob("*.html"))
     assert len(pages) == number
     assert sum(page.stat().st_size for page in pages) < 50e6

@@ -93,8 +93,9 @@ def test_another_workflow_takes_it_in_with_a_prefix_and_settings_of_its_own(host
     run_with_own_rule(host, module('"roughcontact/workflow/Snakefile"'))
 
 
-@pytest.mark.parametrize("source", ["str(workflow_file())", '"roughcontact/workflow/Snakefile"'])
-@pytest.mark.parametrize("has_own_rule", [True, False])
+@pytest.mark.parametrize(
+    ("source", "has_own_rule"), [("str(workflow_file())", True), ('"roughcontact/workflow/Snakefile"', False)]
+)
 def test_the_first_rule_of_the_other_workflow_stays_its_target(host, source, has_own_rule):
     """Where it has none, that is all results of the module."""
     text = TARGET + module(source) + OWN_RULE if has_own_rule else module(source)

@@ -1,6 +1,5 @@
 """Two measured faces on one another: what a run with a pair leaves, and what an edit runs again."""
 
-import csv
 import hashlib
 import json
 import os
@@ -8,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from small_project import SETTINGS, Project, counted, write_maps
+from small_project import SETTINGS, counted, project_with_maps
 
 from roughcontact import composite, read_dataset, relative_positions
 
@@ -30,17 +29,9 @@ def settings(**ensemble):
 @pytest.fixture(scope="module")
 def paired(tmp_path_factory, checkout):
     """A project with a single surface and a pair in which the workflow has run once."""
-    project = Project(tmp_path_factory.mktemp("pair") / "project", checkout)
-    write_maps(project.path("measured"))
-    project.write(settings(), PAIR)
+    project = project_with_maps(tmp_path_factory.mktemp("pair") / "project", checkout, settings(), PAIR)
     project.first = project.succeed()
     return project
-
-
-def table(project, name):
-    """Return the rows of a table of the results."""
-    with project.path(f"results/{name}").open(newline="") as file:
-        return list(csv.DictReader(file))
 
 
 @pytest.mark.slow
@@ -49,7 +40,7 @@ def test_faces_are_measured_and_members_solved(paired):
     assert "Nothing to be done" in paired.run().stderr
     folders = {path.name for path in paired.path("results").iterdir() if path.is_dir()}
     assert folders == {"ground", "seal-face", "seal-counter-face", *MEMBERS}
-    summary = table(paired, "summary.csv")
+    summary = paired.rows("summary.csv")
     assert [row["surface"] for row in summary] == [s for s in ("ground", *MEMBERS) for _ in range(2)]
 
 
@@ -76,8 +67,8 @@ def test_members_are_the_composites_of_the_ensemble(paired):
 
 @pytest.mark.slow
 def test_mean_and_spread_over_the_members(paired):
-    members = [row for row in table(paired, "summary.csv") if row["surface"] in MEMBERS]
-    rows = table(paired, "pairs.csv")
+    members = [row for row in paired.rows("summary.csv") if row["surface"] in MEMBERS]
+    rows = paired.rows("pairs.csv")
     assert [(row["surface"], row["members"]) for row in rows] == [("seal", "2")] * 2
     for load, row in enumerate(rows):
         for name in ("relative_contact_area", "mean_pressure_Pa", "max_pressure_Pa", "mean_gap_m"):
@@ -94,7 +85,7 @@ def test_mean_and_spread_over_the_members(paired):
         loads = np.log([float(of_load["mean_pressure_Pa"]) for of_load in member])
         return np.interp(np.log(load), loads, np.log([float(of_load[column]) for of_load in member]))
 
-    for row in table(paired, "groups.csv"):
+    for row in paired.rows("groups.csv"):
         assert (row["group"], row["maps"]) == ("seal", "2")
         load = float(row["mean_pressure_Pa"])
         for name, unit in (("relative_contact_area", ""), ("max_pressure", "_Pa")):
@@ -134,14 +125,17 @@ def test_an_edited_counter_face_reruns_its_members_and_not_the_rest(paired):
 
 @pytest.mark.slow
 def test_cases_share_the_faces_and_the_composites(tmp_path, checkout):
-    project = Project(tmp_path / "project", checkout)
-    write_maps(project.path("measured"))
     cases = {"base": {}, "raw": {"window": {"method": "raw"}}}
-    project.write(settings(shifts=2, rotations=[0]) | {"cases": cases}, (PAIR[0], PAIR[2]))
-    run = project.succeed()
-    job_counts = counted(run)
-    assert job_counts == {"prepare_face": 2, "superpose": 4, "contact": 4, "panel": 4, "report": 1}
-    rows = table(project, "pairs.csv")
+    options = settings(shifts=2, rotations=[0]) | {"cases": cases}
+    project = project_with_maps(tmp_path / "project", checkout, options, (PAIR[0], PAIR[2]))
+    assert counted(project.succeed()) == {
+        "prepare_face": 2,
+        "superpose": 4,
+        "contact": 4,
+        "panel": 4,
+        "report": 1,
+    }
+    rows = project.rows("pairs.csv")
     assert [(row["case"], row["surface"]) for row in rows] == [("base", "seal")] * 2 + [("raw", "seal")] * 2
     assert not project.path("results/raw/seal-face").exists()
     levelled = [read_dataset(project.path(f"results/{case}/seal-2/levelled.nc"))["height"] for case in cases]

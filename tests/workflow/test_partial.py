@@ -8,7 +8,7 @@ import sys
 import time
 
 import pytest
-from small_project import QUICK, SETTINGS, Project, counted
+from small_project import FORKS, QUICK, SETTINGS, Project, counted
 
 from roughcontact.results.storage import read_dataset
 from roughcontact.study.failures import report_finished
@@ -52,7 +52,7 @@ def test_what_is_mended_is_in_the_next_report_though_it_is_as_before(study):
     times, text = measured.stat(), measured.read_bytes()
     start = time.time()
     measured.write_bytes(b"")
-    failed = study.run("--keep-going")
+    failed = study.run(*FORKS, "--keep-going")
     assert failed.returncode != 0
     assert "Not finished: turned." in failed.stderr
     changed = "tolerance: 1.0e-06; uncertainty sources: []</p>"
@@ -67,7 +67,12 @@ def test_what_is_mended_is_in_the_next_report_though_it_is_as_before(study):
     measured.write_bytes(text)
     os.utime(measured, ns=(times.st_atime_ns, times.st_mtime_ns))
     assert not study.path("results/turned/window.nc").exists()  # of the failed job
-    assert counted(study.run("--rerun-incomplete")) == {"prepare": 1, "contact": 1, "panel": 1, "report": 1}
+    assert counted(study.run(*FORKS, "--rerun-incomplete")) == {
+        "prepare": 1,
+        "contact": 1,
+        "panel": 1,
+        "report": 1,
+    }
     assert study.path("results/turned/window.nc").exists()
     assert contents(study) == complete
     assert "Nothing to be done" in study.run().stderr

@@ -1,6 +1,5 @@
 """No old numbers with exit status 0: lost records of Snakemake, files of another run, damaged ones."""
 
-import csv
 import os
 import shutil
 from base64 import urlsafe_b64encode
@@ -14,13 +13,7 @@ from roughcontact.study.records import LAST_RESULTS
 
 DRAWN = {"panel": 1, "report": 1}  # of one surface
 SOLVED = {"contact": 1, **DRAWN}
-PREPARED = {"prepare": 1, **SOLVED}
-
-
-def numbers(project):
-    """Return the numbers of the summary for the first load."""
-    with project.path("results/summary.csv").open(newline="") as file:
-        return next(csv.DictReader(file))
+BOTH = {"prepare": 1, "contact": 2, "panel": 2, "report": 1}  # one from the measured file, one is solved
 
 
 @pytest.fixture
@@ -55,7 +48,6 @@ def empty(path):
     ("lose", "change"),
     [
         (empty, another_load),
-        (empty, another_pixel),
         (os.unlink, another_pixel),
         (os.unlink, another_file_of_an_old_date),
     ],
@@ -64,9 +56,9 @@ def test_where_records_are_lost_the_numbers_are_of_the_present_input(study, lose
     """Without a record Snakemake compares dates alone."""
     for path in filter(os.path.isfile, study.path(".snakemake/metadata").rglob("*")):
         lose(path)
-    numbers_before, (name, factor) = numbers(study), change(study)
+    before, (name, factor) = study.rows("summary.csv")[0], change(study)
     study.succeed()
-    assert float(numbers(study)[name]) == pytest.approx(factor * float(numbers_before[name]), rel=0.02)
+    assert float(study.rows("summary.csv")[0][name]) == pytest.approx(factor * float(before[name]), rel=0.02)
     assert study.jobs() == {}
 
 
@@ -77,7 +69,7 @@ def test_one_lost_record_is_enough(study):
 
 
 def copied(path):
-    """Put the file of another surface in the place of one, under the date that this had."""
+    """Put the file of another surface in the place of that of `ground`, under the date that this had."""
     date = path.stat().st_mtime_ns
     shutil.copy(path.parents[1] / "turned" / path.name, path)
     os.utime(path, ns=(date, date))
@@ -88,20 +80,19 @@ def of_other_settings(path):
 
 
 @pytest.mark.parametrize(
-    ("replace", "names", "expected"),
+    ("changes", "expected"),
     [
-        (copied, ["ground/window.nc"], PREPARED),
-        (copied, ["ground/contact.nc"], SOLVED),
-        (empty, ["ground/panel.html"], DRAWN),
-        (of_other_settings, ["statistics.nc"], {"report": 1}),
-        (empty, ["summary.csv", "report.html"], {"report": 1}),
-        (os.unlink, ["ground/levelled.nc"], PREPARED),
-        (os.unlink, ["ground/contact.nc"], SOLVED),
-        (os.unlink, ["uncertainty.csv"], {"report": 1}),
+        ({"ground/window.nc": copied, "turned/contact.nc": os.unlink}, BOTH),
+        ({"ground/contact.nc": copied, "turned/levelled.nc": os.unlink}, BOTH),
+        ({"ground/panel.html": empty}, DRAWN),
+        ({"statistics.nc": of_other_settings}, {"report": 1}),
+        ({"summary.csv": empty, "report.html": empty}, {"report": 1}),
+        ({"uncertainty.csv": os.unlink}, {"report": 1}),
     ],
 )
-def test_what_is_not_as_the_last_run_has_left_it_is_made_again(study, replace, names, expected):
-    for name in names:
+def test_what_is_not_as_the_last_run_has_left_it_is_made_again(study, changes, expected):
+    """Of both surfaces at once, which do not know one another, or of all together."""
+    for name, replace in changes.items():
         replace(study.path(f"results/{name}"))
     assert study.jobs() == expected
 

@@ -1,6 +1,5 @@
 """What a run leaves, what a second run does, and what an edit runs again."""
 
-import csv
 import hashlib
 import json
 import os
@@ -9,7 +8,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 import tomllib
 from contextlib import contextmanager, suppress
 
@@ -17,7 +15,7 @@ import numpy as np
 import psutil
 import pytest
 import xarray as xr
-from small_project import ROOT, SETTINGS, TABLE, Project, counted, write_maps
+from small_project import QUICK, ROOT, SETTINGS, TABLE, Project, counted, project_with_maps
 
 from roughcontact import evaluate, read_dataset, read_height_map, write_dataset
 from roughcontact.arguments.settings.resolve import resolve
@@ -65,16 +63,14 @@ def test_a_run_shows_how_far_it_has_come(finished):
     assert "load 2 of 2" in finished.path("logs/ground/contact.log").read_text()
 
 
-def test_the_short_screen_has_a_line_for_each_surface(project):
-    project.write(SETTINGS | {"uncertainty": {"sources": []}})
-    files = [f"results/{name}/panel.html" for name in ("ground", "turned")]
-    run = project.succeed(*files, "--logger", "roughcontact")
-    output = run.stderr.partition("2 results, 6 jobs\n")[2]
-    assert re.fullmatch(
-        r"(ground|turned): done \(1 of 2.*\)\. At .* MPa: contact area .*\n"
-        r"(ground|turned): done \(2 of 2\)\. At .* MPa: contact area .*\ndone in .*\n",
-        output,
-    )
+def test_the_short_screen_has_a_line_for_each_surface(finished_quickly):
+    output = finished_quickly.first.stderr.partition("2 results, 8 jobs\n")[2]
+    lines = [
+        r"(ground|turned): done \(1 of 2.*\)\. At .* MPa: contact area .*",
+        r"(ground|turned): done \(2 of 2.*\)\. At .* MPa: contact area .*",
+        r"done in .*: results/report\.html",
+    ]
+    assert re.fullmatch("\n".join(lines), output.strip())
 
 
 def test_the_numbers_are_those_of_evaluate(finished):
@@ -117,8 +113,7 @@ def test_the_table_of_surfaces_reaches_the_map(finished):
 
 
 def test_the_summary_has_a_row_for_each_surface_and_load(finished):
-    with finished.path("results/summary.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = finished.rows("summary.csv")
     assert [(row["surface"], float(row["relative_pressure"])) for row in rows] == [
         (surface, pytest.approx(load)) for surface in ("ground", "turned") for load in (0.05, 0.2)
     ]
@@ -251,17 +246,21 @@ def test_an_edited_setting_reruns_what_depends_on_it(finished, section, change, 
     assert jobs == expected
 
 
-def test_values_written_in_another_way_rerun_nothing(finished):
+def test_what_means_the_same_reruns_nothing(finished, checkout):
+    """Values written in another way, a row that moved, a file that was touched, modules that no job imports.
+
+    Of files below a megabyte Snakemake compares the contents.
+    """
     contact = {"relative_pressure": ["5e-2", 0.2], "contact_modulus": 1000000000, "tolerance": 1e-6}
-    finished.write(SETTINGS | {"contact": contact, "level": {"form": "plane"}})
-    jobs = finished.jobs()
-    finished.write()
-    assert jobs == {}
-
-
-def test_a_row_that_moved_reruns_nothing(finished):
-    finished.write(table=["# measured in May", *TABLE])
-    jobs = finished.jobs()
+    settings = SETTINGS | {"contact": contact, "level": {"form": "plane"}}
+    finished.write(settings, ["# measured in May", *TABLE])
+    os.utime(finished.path("measured/ground.npy"))
+    package = checkout / "workflow/lib/roughcontact"
+    with (
+        edited(package / "io/readers/sdf.py", "\n", "\n\n"),
+        edited(package / "arguments/settings/models.py", "\n", "\n\n"),
+    ):
+        jobs = finished.jobs()
     finished.write()
     assert jobs == {}
 
@@ -278,17 +277,13 @@ def test_pitches_that_changed_places_rerun_that_surface(finished):
     [
         ("surface/levelling/level.py", FROM_PREPARE),
         ("contact/solve.py", FROM_CONTACT),
-        ("uncertainty/discretisation.py", FROM_CONTACT),
         ("report/page.py", {"report": 1}),
-        ("report/panel.py", DRAWN),
         ("report/templates/panel.html", DRAWN),
-        ("arguments/tables.tsv", DRAWN),
         ("io/readers/npy.py", OF_ONE),
-        ("io/readers/sdf.py", {}),
-        ("arguments/settings/models.py", {}),
     ],
 )
 def test_an_edited_file_of_the_package_reruns_what_depends_on_it(finished, checkout, file, expected):
+    """Which files a script depends on is in tests/unit/test_dependencies.py."""
     path = checkout / "workflow/lib/roughcontact" / file
     with edited(path, "\n", "\n\n"):
         assert finished.jobs() == expected
@@ -319,29 +314,19 @@ def test_a_measurement_that_was_replaced_reruns_whatever_the_date_of_the_other(f
     with replaced(path, seconds=seconds):
         assert path.stat().st_size == size
         assert finished.jobs() == OF_ONE
-    assert finished.jobs() == {}  # the content counts
-
-
-def test_a_measurement_that_was_only_touched_reruns_nothing(finished):
-    """Below a megabyte, where Snakemake compares contents."""
-    os.utime(finished.path("measured/ground.npy"))
-    assert finished.jobs() == {}
 
 
 def test_a_measurement_that_is_replaced_at_work_leaves_no_result(project):
     path = project.path("measured/turned.txt")
     target = "results/turned/levelled.nc"
-    with project.path("said.txt").open("w") as output:
-        run = subprocess.Popen(project.command(target), stdout=output, stderr=output)
-    while not (jobs := [process for process in family(run) if ".prepare.py" in " ".join(process)]):
-        assert run.poll() is None, project.path("said.txt").read_text()
-        time.sleep(0.002)
+    run = project.start(target)
+    jobs = project.wait_for(run, lambda: [job for job in family(run) if ".prepare.py" in " ".join(job)])
     os.kill(int(jobs[0][0]), signal.SIGSTOP)
     path.write_text(path.read_text().replace("-", "", 1))
     os.utime(path, (1e9, 1e9))
     os.kill(int(jobs[0][0]), signal.SIGCONT)
     assert run.wait()
-    output = project.path("said.txt").read_text()
+    output = project.path("said").read_text()
     assert "[prepare turned] ERROR: measured/turned.txt: changed while " in output
     assert not list(project.path("results").rglob("*.nc"))
     project.succeed(target)
@@ -352,7 +337,7 @@ def test_a_measurement_that_is_replaced_at_work_leaves_no_result(project):
 def family(run):
     """Return number and command line of all processes that a run has started."""
     processes = []
-    for process in psutil.Process(run.pid).children(recursive=True):
+    for process in run.children(recursive=True):
         with suppress(psutil.Error):
             processes.append([str(process.pid), *process.cmdline()])
     return processes
@@ -368,9 +353,8 @@ CASES = {
 @pytest.fixture(scope="module")
 def study(tmp_path_factory, checkout):
     """A project with cases in which the workflow has run once, on one surface."""
-    project = Project(tmp_path_factory.mktemp("study") / "project", checkout)
-    write_maps(project.path("measured"))
-    project.write(SETTINGS | {"cases": CASES}, TABLE[:2])
+    settings = SETTINGS | {"cases": CASES}
+    project = project_with_maps(tmp_path_factory.mktemp("study") / "project", checkout, settings, TABLE[:2])
     project.first = project.succeed()
     return project
 
@@ -417,8 +401,7 @@ def test_without_fields_the_numbers_are_the_same(study):
 
 
 def test_the_summary_compares_the_cases(study):
-    with study.path("results/summary.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = study.rows("summary.csv")
     assert [row["case"] for row in rows] == [case for case in CASES for _ in range(2)]
     areas = [row["relative_contact_area"] for row in rows]
     assert areas[:2] == areas[2:4] == areas[4:]
@@ -453,7 +436,7 @@ def test_braces_in_names_of_files_and_in_the_title_stay(project):
     project.path("measured/turned.txt").rename(project.path("measured/t{a,}.txt"))
     heights = np.load(project.path("measured/ground.npy"))
     np.save(project.path("measured/{surface}.npy"), 2 * heights)
-    project.write(SETTINGS | {"report": {"title": "Ra {um} of {surface}"}}, rows)
+    project.write(QUICK | {"report": {"title": "Ra {um} of {surface}"}}, rows)
     project.succeed()
     assert "Ra {um} of {surface}" in project.path("results/report.html").read_text()
     height = read_dataset(project.path("results/ground/height.nc"))["height"].values

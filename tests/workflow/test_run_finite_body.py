@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from small_project import SETTINGS, TABLE, Project, write_maps
+from small_project import SETTINGS, TABLE, project_with_maps
 
 import roughcontact as rc
 from roughcontact.contact.elasticity.closed_forms import hertz
@@ -23,9 +23,7 @@ SETTINGS_OF_BODIES = {
 
 @pytest.mark.slow
 def test_bodies_of_finite_size_go_from_the_settings_to_the_report(tmp_path, checkout):
-    project = Project(tmp_path / "project", checkout)
-    write_maps(project.path("measured"))
-    project.write(SETTINGS_OF_BODIES, TABLE[:2])
+    project = project_with_maps(tmp_path / "project", checkout, SETTINGS_OF_BODIES, TABLE[:2])
     project.succeed()
     for case in ("ball", "punch"):
         folder = project.path(f"results/{case}/ground")

@@ -1,6 +1,5 @@
 """Groups of maps in a run: files, page, cases, and tables that cannot be right."""
 
-import csv
 import re
 
 import numpy as np
@@ -37,19 +36,14 @@ def grouped(tmp_path, checkout):
     return project
 
 
-def table(project, name):
-    with project.path(f"results/{name}").open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
 @pytest.mark.slow
 def test_groups_have_their_files_and_stand_first_on_the_page(grouped):
     grouped.succeed()
-    rows = table(grouped, "groups.csv")
+    rows = grouped.rows("groups.csv")
     assert [(row["group"], row["maps"]) for row in rows] == [
         (group, "3") for group in ("fines", "coarses") for _ in range(2)
     ]
-    summary = table(grouped, "summary.csv")
+    summary = grouped.rows("summary.csv")
     for row in rows:
         of_maps = [
             float(row_of_map["relative_contact_area"])
@@ -66,7 +60,7 @@ def test_groups_have_their_files_and_stand_first_on_the_page(grouped):
         assert float(row["relative_contact_area_next_upper"]) > high
     joined = read_dataset(grouped.path("results/groups.nc"))
     assert joined["map_name"].sel(group="fines").values.tolist() == ["fine-0", "fine-1", "fine-2"]
-    compared = table(grouped, "comparisons.csv")
+    compared = grouped.rows("comparisons.csv")
     area = [row for row in compared if row["quantity"] == "relative_contact_area"]
     assert [(row["first"], row["second"], row["outcome"]) for row in area] == [
         ("fines", "coarses", "differ")
@@ -90,14 +84,14 @@ def test_maps_that_are_cut_are_groups_of_their_parts(grouped):
     rows = [f"{name}\tmeasured/{name}.npy\tum\t1\t1\t2x2" for name in ("lapped", "milled")]
     grouped.write(QUICK, ["surface\tpath\tunit\tdx\tdy\tparts", *rows])
     grouped.succeed()
-    assert {(row["group"], row["maps"], row["parts"]) for row in table(grouped, "groups.csv")} == {
+    assert {(row["group"], row["maps"], row["parts"]) for row in grouped.rows("groups.csv")} == {
         ("lapped", "4", "4"),
         ("milled", "4", "4"),
     }
     part = read_dataset(grouped.path("results/lapped-2-1/height.nc"))["height"]
     full_map = np.load(grouped.path("measured/lapped.npy"))
     np.testing.assert_allclose(part.values, full_map[:32, 32:] * 1e-6, rtol=1e-6)
-    area = [r for r in table(grouped, "comparisons.csv") if r["quantity"] == "relative_contact_area"]
+    area = [r for r in grouped.rows("comparisons.csv") if r["quantity"] == "relative_contact_area"]
     assert {row["outcome"] for row in area} == {"differ"}
     page = grouped.path("results/report.html").read_text()
     assert "Part 2 of 2 along x, 1 of 2 along y (upwards), of 64 x 64 points" in page
@@ -118,7 +112,7 @@ def test_a_group_of_different_pixels_is_named_and_the_rest_goes_on(grouped):
     message = "its maps hold different waves, the shortest of fine-1 is 2.00 µm, that of fine-0 4.00 µm"
     assert message in run.stderr
     assert message in grouped.path("results/report.html").read_text()
-    assert table(grouped, "groups.csv") == table(grouped, "comparisons.csv") == []
+    assert grouped.rows("groups.csv") == grouped.rows("comparisons.csv") == []
 
 
 @pytest.mark.slow
@@ -130,7 +124,7 @@ def test_repeats_and_placements_are_compared_and_folded_below_their_pair(grouped
         QUICK | {"composite": {"shifts": 2}}, [f"{HEADER}\tcounter_face\trepeat_of", *rows, f"{SEAL}\t"]
     )
     grouped.succeed()
-    compared = [row for row in table(grouped, "comparisons.csv") if row["quantity"] == "mean_gap"]
+    compared = [row for row in grouped.rows("comparisons.csv") if row["quantity"] == "mean_gap"]
     assert [(row["first"], row["second"]) for row in compared] == [("fine-0", "fine-1")] * 2 + [
         ("seal-1", "seal-2")
     ] * 2
@@ -155,7 +149,7 @@ def test_cases_of_a_group_are_compared_map_by_map(grouped):
     }
     grouped.write(QUICK | {"cases": cases}, [HEADER, *ROWS[:3]])
     grouped.succeed()
-    assert {row["case"] for row in table(grouped, "groups.csv")} == {"soft", "stiff"}
+    assert {row["case"] for row in grouped.rows("groups.csv")} == {"soft", "stiff"}
 
 
 @pytest.mark.parametrize(

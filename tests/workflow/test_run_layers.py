@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 import yaml
-from small_project import SETTINGS, TABLE, Project, write_maps
+from small_project import SETTINGS, TABLE, project_with_maps
 
 from roughcontact import read_dataset, solve_contact
 
@@ -39,9 +39,7 @@ SETTINGS_OF_BODIES = {
 
 @pytest.mark.slow
 def test_layers_go_from_the_settings_to_the_report(tmp_path, checkout):
-    project = Project(tmp_path / "project", checkout)
-    write_maps(project.path("measured"))
-    project.write(SETTINGS_OF_BODIES, TABLE[:2])
+    project = project_with_maps(tmp_path / "project", checkout, SETTINGS_OF_BODIES, TABLE[:2])
     project.succeed("--logger", "roughcontact")
     results_by_case = {
         case: read_dataset(project.path(f"results/{case}/ground/statistics.nc")).load()
@@ -90,13 +88,10 @@ def test_layers_go_from_the_settings_to_the_report(tmp_path, checkout):
 
 
 def test_bad_layers_stop_a_run_before_it_starts(tmp_path, checkout):
-    project = Project(tmp_path / "project", checkout)
-    write_maps(project.path("measured"))
     wrong = yaml.safe_load(yaml.safe_dump(SETTINGS_OF_BODIES))
     wrong["cases"]["coated"]["contact"]["bodies"][0]["layers"][0]["thickness"] = "0 um"
     wrong["cases"]["sheet"]["contact"]["bodies"][0]["layers"] = []
-    project.write(wrong, TABLE[:2])
-    run = project.run("--dry-run")
+    run = project_with_maps(tmp_path / "project", checkout, wrong, TABLE[:2]).run("--dry-run")
     assert run.returncode != 0
     assert "cases.coated.contact.bodies[0].layers[0].thickness" in run.stderr
     assert "cases.sheet.contact.bodies[0].base = 'rigid': needs layers" in run.stderr

@@ -1,6 +1,5 @@
 """A map with a coarser map of a larger field around it, in the workflow, the program, and a plain call."""
 
-import csv
 import json
 import subprocess
 import sys
@@ -91,7 +90,7 @@ def test_several_overviews_and_positions_have_one_answer_and_are_drawn(project):
     assert found.attrs["window_reason"].count("An overview") == 2
     panel = project.path("results/second/panel.html").read_text()
     assert panel.count("<figcaption>Overview") + panel.count(">Overview") >= 2
-    (group,) = csv.DictReader(project.path("results/groups.csv").read_text().splitlines())
+    (group,) = project.rows("groups.csv")
     gaps = [
         xr.load_dataset(project.path(f"results/{name}/statistics.nc"))["mean_gap"].item()
         for name in ("ground", "second")
@@ -110,19 +109,17 @@ def test_another_overview_makes_the_result_again(project):
 
 def test_the_program_takes_it_as_an_option(project):
     words = [sys.executable, "-m", "roughcontact.interface", "solve", "measured/fine.npy", "--json"]
+    words += ["--unit", "um", "--dx", "1", "--dy", "1", "--contact-modulus", "1e9"]
     words += [
-        "--unit",
-        "um",
-        "--dx",
-        "1",
-        "--dy",
-        "1",
-        "--contact-modulus",
-        "1e9",
         "--relative-pressure",
         "0.1",
+        "--uncertainty-sources",
+        "window",
+        "--overview",
+        "measured/field.txt",
+        "-o",
+        "page.html",
     ]
-    words += ["--uncertainty-sources", "window", "--overview", "measured/field.txt", "-o", "page.html"]
     run = subprocess.run(words, cwd=project.folder, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     assert "without the overview" in json.loads(run.stdout)["overview"]

@@ -1,6 +1,5 @@
 """The same place measured twice: before and after something was done to it, or as a repeat, in a run."""
 
-import csv
 import json
 import re
 import shutil
@@ -37,18 +36,13 @@ def worn(tmp_path_factory, checkout):
     return project
 
 
-def table(project, name):
-    with project.path(f"results/{name}").open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def stated(project, name):
     return read_dataset(project.path(f"results/{name}/height.nc"))["height"].attrs
 
 
 @pytest.mark.slow
 def test_wear_is_a_difference_and_no_noise(worn):
-    compared = table(worn, "comparisons.csv")
+    compared = worn.rows("comparisons.csv")
     outcomes = {
         (row["first"], row["second"], float(row["mean_pressure_Pa"])): row["outcome"]
         for row in compared
@@ -90,7 +84,7 @@ def test_wear_that_is_called_a_repeat_is_named_and_gives_no_noise(worn):
         assert message.startswith(f"the repeats {name} and {partner} differ by ")
         assert "not as by noise: " in message
         assert f"warning: {message}" in run.stderr
-    (reason,) = {row["reasons"] for row in table(worn, "summary.csv") if row["surface"] == "worn"}
+    (reason,) = {row["reasons"] for row in worn.rows("summary.csv") if row["surface"] == "worn"}
     assert "Reading the file: The repeats worn and new differ by " in reason
     assert "The repeats worn and new differ by " in worn.path("results/report.html").read_text()
 
@@ -106,4 +100,4 @@ def test_copies_in_a_group_have_no_answer(worn):
     message = "group finish: a and b have the same results, as copies of one map have"
     assert message in run.stderr
     assert message in worn.path("results/report.html").read_text()
-    assert table(worn, "groups.csv") == []
+    assert worn.rows("groups.csv") == []
