@@ -127,9 +127,9 @@ def random_case(seed):
 
 
 def test_the_bound_is_never_below_the_error_of_a_dense_solution():
-    """100 random faces, materials, speeds and directions; the bounds of pressure and friction."""
+    """48 random faces, materials, speeds and directions; the bounds of pressure and friction."""
     ratios, frictions = [], []
-    for seed in range(100):
+    for seed in range(48):
         face, compliance, velocity, load = random_case(seed)
         operator = dense_operator(face.shape, compliance, velocity)
         exact = dense_pressure(operator, face.values, load)
