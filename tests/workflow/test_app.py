@@ -1640,6 +1640,11 @@ class TestForm:
         answer = page.after("write", STUDY)
         assert "what was there is kept as config/config.yaml.before-page" in answer
         assert (tmp_path / "config/config.yaml.before-page").read_text() == damaged
+        # nor does what is kept next take its place
+        (tmp_path / "config/config.yaml").write_text("# by Ann\n")
+        assert "kept as config/config.yaml.before-page2" in page.after("write", STUDY)
+        assert (tmp_path / "config/config.yaml.before-page").read_text() == damaged
+        assert (tmp_path / "config/config.yaml.before-page2").read_text() == "# by Ann\n"
 
     def test_what_is_typed_into_a_list(self):
         bodies = {f"contact.bodies.{index}.material": "steel" for index in (0, 1)}

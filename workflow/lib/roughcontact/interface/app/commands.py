@@ -101,9 +101,9 @@ def export(result: str, form: str, before: str, *, plan: Plan | None) -> tuple[P
     """
     if not {result, before} <= panels(plan).keys() or form not in EXPORTS:
         raise SettingsError(f"{result}, {before}, {form}: are no results of this study, or no form of them")
-    folders = {"folder": RESULTS / result, "before": RESULTS / before}
-    output = f"exports/{result.replace('/', '-')}"
-    arguments = [word.format(**folders, output=output) for word in EXPORTS[form][1].split()]
+    places = {"folder": RESULTS / result, "before": RESULTS / before}
+    places["output"] = Path("exports", result.replace("/", "-"))
+    arguments = [word.format(**places) for word in EXPORTS[form][1].split()]
     check_within_study(RESULTS, Path("exports"))
     process = run([*_PROGRAM, *arguments], capture_output=True, text=True, check=False)
     command = shlex.join(["roughcontact", *arguments])

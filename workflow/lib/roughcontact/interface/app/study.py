@@ -5,6 +5,7 @@ import re
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -150,7 +151,9 @@ def write(files: Mapping[Path, str], *, keep: bool) -> str:
         if previous == text.encode():
             continue
         if previous and (keep or not previous.startswith(_HEAD.encode()) or b"\n#" in previous):
-            path.replace(spare := path.with_name(path.name + _BACKUP))
+            spares = (path.with_name(f"{path.name}{_BACKUP}{number}") for number in chain([""], count(2)))
+            # an earlier one stays, what it holds is nowhere else
+            path.replace(spare := next(spare for spare in spares if not os.path.lexists(spare)))
             summary += f"; what was there is kept as {spare}"
         write_text(text, path)
     return summary
