@@ -53,7 +53,7 @@ _SHARE_OF_CHANGE = 0.3  # in the size: what an overview moves a result by, it mo
 _POWER, _POWER_OF_GRADIENT = 0.8, 0.1  # in the size: of what an overview shows, and of the fine map's scatter
 _LEAST_SIZE = 0.05  # of a logarithm
 _SAME_PIXELS = 0.01  # relative difference
-_OF_MAP = "Largest pressure, narrowest places and leak are those of the map."
+_OF_MAP = "Largest pressure, narrowest places, leak and the loads of targets are those of the map."
 
 
 class Transfer(NamedTuple):
