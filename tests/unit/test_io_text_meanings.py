@@ -401,3 +401,10 @@ def test_profiles_whose_header_says_how_they_are_written(read, text, z):
 
 def test_steps_in_double_precision_of_fortran(read):
     is_right(read(f"dx = 0.5D-06 m   dy = 0.2500D-06 m\n高さデータ[nm]\n{ROWS}"))
+
+
+def test_what_stands_far_behind_in_a_line_is_said(read):
+    line = "polished, " * 40 + "scan direction backward"
+    warnings = warnings_of(read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}"))
+    assert "backward', which is not used: check first_row" in warnings
+    assert not warnings_of(read(f"{STEPS}Z unit: nm\n# {' '.join(map(str, range(300)))}\n{ROWS}"))

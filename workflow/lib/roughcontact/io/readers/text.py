@@ -7,6 +7,7 @@ assumption. Where positions are given, y increases upwards.
 import re
 from collections import Counter
 from dataclasses import replace
+from itertools import islice
 from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -41,8 +42,9 @@ _COMPUTED = re.compile(  # headings of heights that were multiplied, turned, or 
 )
 _SQUARE = pattern("aside", "square")  # names of the step of both axes
 _NAMED, _LENGTH, _UNKNOWN, _NO_HEIGHT = range(4)  # ranks of columns of heights
-_MAX_LINES = 1000  # lines above a table that are searched for other statements
-_LONGEST_LINE = 200  # characters of such a line
+_LONGEST_LINE = 4096  # characters of a line above a table that is searched for other statements
+_PASSAGES = re.compile(r".{1,200}(?=[\s;,]|\Z)|.{1,200}", re.DOTALL)  # of it
+_MAX_PASSAGES = 1000
 _MAX_DISTANCE = 20  # lines above the table among which may be a heading with a unit
 _SIDE = {axis: pattern("side", axis) for axis in "xy"}
 _KEYENCE = -99999.9999  # that VR and VK series write for a missing point
@@ -160,12 +162,15 @@ def _unused(
     """Return the lines above a table, with their numbers, that are no statement and name no columns."""
     groups = (group for meaning, group in by_meaning.items() if meaning not in ("length", "size", "factor"))
     used = Counter(statement.line for group in groups for statement in group)
+    lines = ((number, line[:_LONGEST_LINE]) for number, line in rows.filled)
+    passages = ((number, line, text) for number, line in lines for text in _PASSAGES.findall(line))
     return [
-        (number, line.strip())
-        for number, line in rows.filled[:_MAX_LINES]
+        (number, text.strip())
+        for number, line, text in islice(passages, _MAX_PASSAGES)
         # a line of which only a part was understood is open for the rest of it
-        if (number not in used or len(parse_lengths(line)) > used[number])
-        and len(line) <= _LONGEST_LINE
+        if (number not in used or len(parse_lengths(text)) > used[number])
+        # a long line of numbers says nothing
+        and (text == line or 2 * len(re.findall(r"[^\W\d_]", text)) > len(text))
         and not _names(columns or [], line, delimiter)
         and not unit_of_heights(line)
     ]
