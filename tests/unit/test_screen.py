@@ -309,3 +309,9 @@ def test_what_is_asked_for_beside_a_run_is_shown():
     run.tell(event="workflow_started")
     run.tell("Nothing to be done (all requested files are present and up to date).")
     assert [line.split()[0] for line in run.lines] == ["Unlocking", "Nothing"]
+
+
+def test_a_mark_that_turns_the_direction_of_a_name_is_shown_as_an_escape():
+    run = Run()
+    run.tell("a\u202ecod.txt: text without a table of numbers", level=logging.ERROR)
+    assert "a\\u202ecod.txt: text" in run.stream.getvalue()

@@ -20,6 +20,7 @@ VARIABLE = "ROUGHCONTACT_SCREEN"  # tells the jobs that their progress is not wa
 BAR = "ROUGHCONTACT_BAR"  # tells a run that the bar is wanted though its screen is no terminal
 ERASE = "\r\x1b[K"  # the line of the bar
 _PREAMBLE = ("Assuming unrestricted shared filesystem", "Building DAG of jobs", "host: ")
+_TURNING = re.compile("[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")  # as in the program's own output
 _BAR = 20  # characters
 _PAGE = Path("results/report.html")  # which a run of single results leaves as it is
 _LAST = ("panel",)  # the rule whose job is the last one of a result
@@ -206,7 +207,7 @@ class Screen:
         self._write(f"{ERASE if self.bar else ''}{text}\n")
 
     def _write(self, text: str) -> None:
-        self.stream.write(text)
+        self.stream.write(_TURNING.sub(lambda mark: f"\\u{ord(mark[0]):04x}", text))
         self.stream.flush()
 
 
