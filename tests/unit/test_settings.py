@@ -335,11 +335,6 @@ def test_names_of_cases_are_names_of_folders(name, line):
     assert list(resolve({"contact": {"contact_modulus": 1e9}, "cases": {"Az-09": {}}})) == ["Az-09"]
 
 
-def test_a_name_may_have_64_characters():
-    name = "".join(f"{number:02}" for number in range(32))
-    assert [*resolve({"contact": {"contact_modulus": 1e9}, "cases": {name: {}}})] == [name]
-
-
 def test_cases_that_are_one_folder_on_other_systems_are_named():
     lines_of_message = mistakes(
         {"contact": {"contact_modulus": 1e9}, "cases": {"soft": {}, "hard": {}, "Soft": {}}}

@@ -336,20 +336,6 @@ def test_a_norm_of_rounding_is_zero_and_not_a_root_of_less():
 # the safe step
 
 
-@pytest.mark.parametrize("cap", [np.inf, 0.5])
-def test_the_projection_is_the_nearest_feasible_field(cap):
-    rng = np.random.default_rng(4)
-    field, load = rng.standard_normal(40), 0.3
-    projected = project_to_load(field, load, cap=cap)
-    assert projected.mean() == pytest.approx(load, rel=1e-14)
-    assert projected.min() >= 0
-    assert projected.max() <= cap
-    for _ in range(200):  # no feasible direction leads nearer
-        feasible = project_to_load(rng.standard_normal(40), load, cap=cap)
-        assert np.vdot(field - projected, feasible - projected) <= 1e-12
-    assert 0 < np.count_nonzero(projected) < 40
-
-
 @pytest.mark.parametrize("cap", [np.inf, 0.6])
 def test_safe_steps_alone_converge_downhill(cap):
     heights = rough(16)

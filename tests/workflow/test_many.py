@@ -7,7 +7,7 @@ from contextlib import suppress
 import numpy as np
 import psutil
 import pytest
-from small_project import Project
+from small_project import FORKS, Project
 
 from roughcontact.surface.synthetic import self_affine_surface
 
@@ -43,7 +43,7 @@ def test_a_study_of_many_surfaces_goes_to_its_index(tmp_path, checkout, number):
         np.save(project.path(f"measured/{seed}.npy"), heights)
         table.append(f"s{seed}\tmeasured/{seed}.npy\tum\t1\t1")
     project.write(SETTINGS, table)
-    status, output, scheduling = followed(project, "--logger", "roughcontact")
+    status, output, scheduling = followed(project, *FORKS, "--logger", "roughcontact")
     assert status == 0, output
     assert scheduling < 10  # some 4 s, and 40 s where each job starts a clock of its own
     # preparing is shared by the cases; the report and the target
