@@ -10,6 +10,7 @@ from known_surfaces import self_affine
 import roughcontact as rc
 from roughcontact import HeightMapError, error_budget, height_map, with_uncertainty
 from roughcontact.report.budget_plots import shown_budget
+from roughcontact.statistics.decisions import TIGHT, gap_is_closed
 from roughcontact.surface.synthetic import rough_reference_surface
 from roughcontact.uncertainty.combination import uncertainty_table
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, PEAK, PRESSURE, to_scale
@@ -104,8 +105,9 @@ def test_leak_rates_go_as_the_cube_of_the_narrowest_place_and_conductances_as_th
     """Ends 0.5 and 1.5 of the narrowest place: 0.125 and 3.375 of the leak; K/E* times a constant."""
     loads = {"mean_pressure": ("load", [1e6, 2e6])}
     numbers = {"critical_constriction_x": [2e-6, 0.0], "leak_rate_x": [8e-12, 0.0]}
-    numbers |= {"leak_rate_by_cube": [1e6, 1e6], CONDUCTANCE: [1e4, 2e4], "thermal_conductance": [3e5, 6e5]}
+    numbers |= {CONDUCTANCE: [1e4, 2e4], "thermal_conductance": [3e5, 6e5]}
     statistics = xr.Dataset({name: ("load", values) for name, values in numbers.items()}, coords=loads)
+    statistics["leak_rate_by_cube"] = 1e6
     bounds = {"critical_constriction_x_lower": [1e-6, 0.0], "critical_constriction_x_upper": [3e-6, 1e-6]}
     bounds |= {f"{CONDUCTANCE}_lower": [5e3, 1e4], f"{CONDUCTANCE}_upper": [4e4, np.nan]}
     budget = xr.Dataset({name: ("load", values) for name, values in bounds.items()}, coords=loads)
@@ -116,6 +118,19 @@ def test_leak_rates_go_as_the_cube_of_the_narrowest_place_and_conductances_as_th
     np.testing.assert_allclose(result["thermal_conductance_upper"], [1.2e6, np.nan])
     np.testing.assert_allclose(result["thermal_resistance_lower"], [1 / 1.2e6, 0.0])
     np.testing.assert_allclose(result["thermal_resistance_upper"], [1 / 1.5e5, 1 / 3e5])
+
+
+def test_a_gap_that_is_certainly_closed_leaks_no_more_than_what_counts_as_nothing():
+    """Nine parts are closed: no allowed leak can be undecided beside a seal that is decided."""
+    loads = {"mean_pressure": ("load", [1e6, 2e6])}
+    narrowest = ("critical_constriction_x", "critical_constriction_x_lower", "leak_rate_x")
+    statistics = xr.Dataset({name: ("load", [0.0, 0.0]) for name in narrowest}, coords=loads)
+    parts = np.where(np.arange(9)[:, None] < [[5, 0]], 3e-6, 0.0)  # of the lighter load five are open
+    statistics["critical_constriction_x_parts"] = ("member", "load"), parts
+    bounds = {"critical_constriction_x_upper": ("load", [2e-6, 2e-6])}
+    result = with_uncertainty(statistics.assign(leak_rate_by_cube=1e6), xr.Dataset(bounds, coords=loads))
+    np.testing.assert_array_equal(gap_is_closed(result, "x"), [np.nan, 1])
+    np.testing.assert_allclose(result["leak_rate_x_upper"], [8e-12, TIGHT])
 
 
 def test_a_map_that_was_not_levelled_is_told_from_the_one_of_the_window(rough):

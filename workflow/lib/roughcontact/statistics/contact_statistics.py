@@ -30,7 +30,7 @@ from roughcontact.statistics.adhesion import adhesion_numbers
 from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers
 from roughcontact.statistics.conductance import Bodies
 from roughcontact.statistics.contact_geometry import contact_perimeter, point_area, relative_contact_area
-from roughcontact.statistics.decisions import is_lifted
+from roughcontact.statistics.decisions import TIGHT, gap_is_closed, is_lifted
 from roughcontact.statistics.densities import density, logarithmic_edges
 from roughcontact.statistics.friction import friction_statistics
 from roughcontact.statistics.kinds import numbers_of_kind
@@ -399,8 +399,8 @@ def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
     """Return the ends of the intervals of the leak rates, which go as the cube of the narrowest place.
 
     One place carries most of the pressure drop (Persson and Yang 2008). For a closed gap the upper end is
-    that of plates at the upper end of the narrowest place; nothing bounds what leaks where the fluid lifts
-    the bodies.
+    that of plates at the upper end of the narrowest place, `TIGHT` at most where it is decided that it is
+    closed; nothing bounds what leaks where the fluid lifts the bodies.
     """
     bounds: dict[str, xr.DataArray] = {}
     path = path_at_mean_pressure(statistics.attrs)
@@ -415,7 +415,10 @@ def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
             for end in ENDS[1:]:
                 opening = statistics[f"{narrowest}{end}"]
                 bounds[f"{name}{end}"] = by_cube * opening**3 * slip_factor(opening, path)
-            bounds[f"{name}_upper"] = bounds[f"{name}_upper"].where(~is_lifted(statistics))
+            upper = bounds[f"{name}_upper"].where(~is_lifted(statistics))
+            # closed for certain, it leaks no more than what counts as nothing
+            is_bound = (gap_is_closed(statistics, axis) != 1) | (upper <= TIGHT)
+            bounds[f"{name}_upper"] = upper.where(is_bound, leak.clip(min=TIGHT))
     return bounds
 
 
