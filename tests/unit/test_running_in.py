@@ -95,6 +95,12 @@ def test_steps_are_chosen_by_the_bound(face, far, fine, tolerance, most_steps):
     assert int(worn["wear_steps"][-1]) <= most_steps
 
 
+def test_the_bound_keeps_to_the_tolerance_however_far_it_slides(face, far):
+    worn = run(face, [1e8 * far], tolerance=0.02, load=1e6)
+    assert float(worn["time_error_bound"][-1]) <= 0.02 * float(face.std())
+    assert worn["relative_contact_area"][-1] == 1
+
+
 def test_a_solver_that_leaves_more_open_than_the_tolerance_is_refused(face, far):
     with pytest.raises(rc.ConvergenceError, match="give a smaller solver_tolerance"):
         run(face, [far], tolerance=1e-9, solver_tolerance=0.5)
