@@ -66,9 +66,7 @@ def copy_inputs(results: Path, configuration: Path, read_checksums: set[str]) ->
     for section in (config, *(config.get("cases") or {}).values()):
         for body in (section.get("contact") or {}).get("bodies") or ():
             if path := isinstance(body, dict) and relaxation_table([body]):
-                relaxation = (
-                    {"table": body["relaxation"]} if path == body["relaxation"] else body["relaxation"]
-                )
+                relaxation = {} if path == body["relaxation"] else body["relaxation"]
                 body["relaxation"] = relaxation | {"table": copied(path, search_path)}
     write_text(json.dumps(config | {"surfaces": name}, indent=2, default=str) + "\n", target / "config.yaml")
     return target / "config.yaml"

@@ -346,9 +346,7 @@ def _written(column: str, cell: str) -> str:
     """Return a cell of a column as it stands in a table."""
     cell = cell if column in _NAMES_OF_OTHERS else cell.strip()
     if _CONTROL.search(cell):
-        raise SettingsError(
-            f"{column} = {cell!r}: no cell has control characters, tabs or bytes that are no text; rename it"
-        )
+        raise SettingsError(f"{column} = {cell!r}: a cell is text without tabs or control marks; rename it")
     return cell if _cells(cell) == [cell] else '"' + cell.replace('"', '""') + '"'
 
 
