@@ -264,6 +264,8 @@ def test_a_resistance_has_the_prefix_that_brings_it_between_1_and_1000(resistanc
     words = allowed_in_words(numbers, "resistance", 0, brief=True)
     assert words == f"resistance {text} of at most 1.00 mΩ: holds"
     assert unit_of(numbers, "Ohm").text(resistance) == text
+    of_heat = unit_of({"total_thermal_resistance": [resistance]}, "K W-1").text(resistance)
+    assert of_heat == text.replace("Ω", "K/W")
 
 
 def test_the_total_of_a_joint_comes_first_with_what_is_allowed():

@@ -15,7 +15,7 @@ _NEGLIGIBLE = 1e-9  # of a unit: a half-width about zero that is not worth writi
 _FINEST = 1e-3  # of a value: half-width of which two digits are shown, of narrower ones less
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # units that take a prefix; composed ones are given in powers of ten
-_PREFIXED = ("m", "Pa", "N", "J", "W", "S", "l", "Ω")
+_PREFIXED = ("m", "Pa", "N", "J", "W", "S", "l", "Ω", "K/W")
 
 
 class Unit(NamedTuple):
@@ -80,7 +80,7 @@ def prefix(value: float, unit: str) -> tuple[float, str]:
     value : float
         in `unit`; zero, infinity and NaN get no prefix.
     unit : str
-        m, Pa, N, J, W, S and l take a prefix; others are left as they are.
+        m, Pa, N, J, W, S, l, Ω and K/W take a prefix; others are left as they are.
 
     Returns
     -------

@@ -27,12 +27,15 @@ _FIXED = {
     "W m-2 K-1": Unit(1e-3, "kW/(m² K)"),
     "S m-2": Unit(1e-9, "GS/m²"),
     "m2 K W-1": Unit(1e6, "mm² K/W"),
-    "K W-1": Unit(1.0, "K/W"),
     "Ohm m2": Unit(1e12, "µΩ mm²"),
     "m2 s-1": Unit(3.6e9, "ml/(h m)"),
     "m3 s-1": Unit(3.6e9, "ml/h"),
 }
-_RESISTANCES = ("total_electrical_resistance", "local_electrical_resistance")
+# of any size: SI unit -> the one that takes a prefix, and the numbers that choose it
+_RESISTANCES = {
+    "Ohm": ("Ω", ("total_electrical_resistance", "local_electrical_resistance")),
+    "K W-1": ("K/W", ("total_thermal_resistance", "local_thermal_resistance")),
+}
 _ROUNDING = 1e-9
 _GAPS = (GAP, "critical_constriction_x", "critical_constriction_y")
 
@@ -52,10 +55,11 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
         return _FIXED[unit]
     # the variables without their coordinates are found in a hundredth of the time
     plain: Mapping[Any, Any] = numbers.variables if isinstance(numbers, xr.Dataset) else numbers
-    if unit == "Ohm":  # from nanoohm to ohm: that of the resistances themselves
-        resistances = [np.ravel(plain[name]) for name in _RESISTANCES if name in plain]
-        known = [value for values in resistances for value in values if 0 < value < np.inf]
-        return Unit(*prefix(float(np.median(known or [1e-3])), "Ω"))
+    if unit in _RESISTANCES:
+        symbol, names = _RESISTANCES[unit]
+        resistances = [value for name in names if name in plain for value in np.ravel(plain[name])]
+        known = [value for value in resistances if 0 < value < np.inf]
+        return Unit(*prefix(float(np.median(known or [1e-3])), symbol))
     heaviest_load = float(np.max(np.nan_to_num(plain.get("mean_pressure", 0.0))))
     pressure = pressure_unit(float(plain.get("contact_modulus", np.nan)), heaviest_load)
     if unit == "Pa":
@@ -211,6 +215,6 @@ def median_numbers(results: Sequence[xr.Dataset]) -> dict[str, float]:
     >>> median_numbers([xr.Dataset({"rms_height": rms}) for rms in (1e-8, 1e-6, 2e-6)])
     {'rms_height': 1e-06}
     """
-    names = ("contact_modulus", "rms_height", *_RESISTANCES)
+    names = ["contact_modulus", "rms_height", *(name for _, key in _RESISTANCES.values() for name in key)]
     available = [name for name in names if all(name in result for result in results)]
     return {name: float(np.median([np.median(result[name]) for result in results])) for name in available}
