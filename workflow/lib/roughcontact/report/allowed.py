@@ -35,7 +35,9 @@ def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = F
         limit = f"at {load_in_words(float(numbers['mean_pressure'][index]), numbers)[1]}, {limit}"
     word = HOLDING.get(holds, NOT_DECIDED)
     link = {HOLDS: "", FAILS: "would hold ", NOT_DECIDED: "would be "}[word]
-    sentence = f"{' '.join(filter(None, [allowed.words, total]))} {limit}: {word}"
+    # below its own heading a number needs no name
+    subject = "" if brief and allowed.answer in allowed.numbers else allowed.words
+    sentence = f"{' '.join(filter(None, [subject, total, limit]))}: {word}"
     if lifts := fluid_in_words(numbers, index, name):
         sentence += f" ({lifts})"
     if brief:
