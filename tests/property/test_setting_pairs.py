@@ -470,7 +470,7 @@ def test_a_pair_that_is_refused_is_told_by_name():
         assert "where the map is known" in text or any(key in text for key in keys), (first, second, text)
 
 
-FEW = 7  # cases that meet nine tenths of the pairs, of settings that exclude one another one each
+FEW = 4  # cases that meet four fifths of the pairs, of settings that exclude one another one each
 NUMBERS = [pytest.param(number, marks=[pytest.mark.slow] * (number >= FEW)) for number in range(27)]
 
 
