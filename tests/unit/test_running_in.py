@@ -223,3 +223,6 @@ def test_a_flat_face_wears_evenly():
     worn = run(flat, [1.0], tolerance=0.02)
     np.testing.assert_allclose(worn["height"], -WEAR * 5e6, rtol=1e-12)
     assert float(worn["time_error_bound"][0]) == 0
+    # heights of no more than rounding, far from zero
+    worn = run(flat + np.pi * 1e-6, [1.0, 3.0], tolerance=0.02)
+    np.testing.assert_array_equal(worn["wear_steps"], [1, 2])

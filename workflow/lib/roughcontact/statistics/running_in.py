@@ -46,6 +46,7 @@ FIRST_SHARE = 0.1  # of the squared tolerance, for the first step
 SHORTEST = 1e-6  # of the first step: a solver that leaves too much open makes it shorter and shorter
 CONVEXITY = 5 / 18  # share of ||p(h) - p(h')||^2 that the convexity of Phi takes off the bound of a step
 SAFETY, MAX_GROWTH = 0.8, 4.0  # of the next step: below its predicted length, and over the last one
+_ROUNDING = 4 * np.finfo(float).eps
 SETTLED = 1.1  # ratio of the contact areas after and before a doubling of the distance
 
 
@@ -210,7 +211,9 @@ def worn_faces(
     solve = partial(_solved, like=contact, threads=threads)
     worn = _Worn(0.0, contact, *_bounds(contact, material))
     yield worn
-    allowed, spread = (tolerance * float(worn.height.std())) ** 2, float(worn.pressure.std())
+    rms_height, spread = float(worn.height.std()), float(worn.pressure.std())
+    is_flat = rms_height <= _ROUNDING * float(abs(worn.height).max())  # and is worn evenly by any step
+    allowed = math.inf if is_flat else (tolerance * rms_height) ** 2
     first = 2 * math.sqrt(FIRST_SHARE * allowed) / (wear * spread) if spread > 0 else math.inf
     length = first = min(first, distances[-1])
     for end in distances:
@@ -249,11 +252,11 @@ def _step(
     height, (energy, missing) = contact["height"], _bounds(contact, material)
     # whatever the solver left open, the pressure of the step is a subgradient of Phi at h' up to the
     # difference of Phi and its own energy, and that counts twice: as an error of the step, and in D
-    own_energy = float(np.mean(pressure * height.values)) - _norm(pressure, height, material) ** 2 / 2
+    own_energy = _work(pressure, height) - _norm(pressure, height, material) ** 2 / 2
     change = _norm(worn.pressure - pressure, height, material) - worn.missing
     change -= math.sqrt(2 * max(energy - own_energy, 0.0))
     growth = depth * (worn.energy + energy - 2 * own_energy - CONVEXITY * max(change, 0.0) ** 2)
-    squared_error = worn.squared_error + max(growth - float(np.mean(lost**2)), 0.0)
+    squared_error = worn.squared_error + max(growth - float(np.var(lost)), 0.0)
     return _Worn(worn.distance + step, contact, energy, missing, squared_error)
 
 
@@ -280,7 +283,12 @@ def _bounds(contact: xr.Dataset, material: Elasticity) -> tuple[float, float]:
     pressure, height = contact["pressure"].values[0], contact["height"]
     size = _norm(pressure, height, material)
     missing = contact["error_bound"].item() * size
-    return float(np.mean(pressure * height.values)) - (size**2 - missing**2) / 2, missing
+    return _work(pressure, height) - (size**2 - missing**2) / 2, missing
+
+
+def _work(pressure: np.ndarray, height: xr.DataArray) -> float:
+    """Return <p, h> (Pa m), both about their means: what all points lose alike is no error of a step."""
+    return float(np.mean((pressure - pressure.mean()) * (height.values - height.values.mean())))
 
 
 def _norm(pressure: np.ndarray, height: xr.DataArray, material: Elasticity) -> float:
