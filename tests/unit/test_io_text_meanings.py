@@ -408,3 +408,12 @@ def test_what_stands_far_behind_in_a_line_is_said(read):
     warnings = warnings_of(read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}"))
     assert "backward', which is not used: check first_row" in warnings
     assert not warnings_of(read(f"{STEPS}Z unit: nm\n# {' '.join(map(str, range(300)))}\n{ROWS}"))
+
+
+@pytest.mark.parametrize(
+    "heading", ["Y_um , X_um , Z_nm", "Y_µm, 位置_µm, Z_nm", "y in µm, x in µm, z in nm"]
+)
+def test_names_between_commas_and_blanks_keep_their_order(read, heading):
+    y, x = np.divmod(np.arange(ONE.size), ONE.shape[1])
+    height = read(f"{heading}\n{cells(np.column_stack([y / 4, x / 2, ONE.ravel()]), ' , ')}")
+    is_right(height, ONE)

@@ -178,7 +178,10 @@ def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
                 f"{line.strip()[:60]!r}: write each name without blanks, or a tab between them"
             )
         cells = named[0] if named else cells
-    if len(cells) != count or _ENTRY.search(line) or statements([line]):
+    # "Y_um , X_um , Z_um" names columns, though its last cell alone would state a unit
+    columns = [_column(cell.strip()) for cell in cells]
+    are_names = has_delimiter and all(column.role and column.name.isalnum() for column in columns)
+    if len(cells) != count or _ENTRY.search(line) or (not are_names and statements([line])):
         return []
     return [cell.replace("\0", " ").strip(' "').rstrip(",;").strip() for cell in cells]
 
