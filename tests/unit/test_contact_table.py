@@ -330,6 +330,7 @@ def test_closed_gaps_of_conductors_are_no_warning():
     assert np.isnan([closed["mean_pressure_lower"], closed["mean_pressure_upper"]]).all()
 
 
+@pytest.mark.slow
 def test_the_table_of_cuts_holds_that_of_the_whole_surface():
     """Curves of a surface that is nine times as large lie within the ends in nine of ten rows."""
     large_surface = self_affine((384, 384), 1e-6, (4e-6, 4e-5), rms_height=3e-7, seed=2)
