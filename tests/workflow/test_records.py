@@ -97,6 +97,22 @@ def test_what_is_not_as_the_last_run_has_left_it_is_made_again(study, changes, e
     assert study.jobs() == expected
 
 
+@pytest.mark.parametrize("note", [None, "", "{}", "[]", "3", '{"results/summary.csv": 1}'])
+def test_without_the_note_of_the_last_run_what_is_of_all_is_made_again(study, note):
+    """A text has no checksum in it, and whoever changed it may have changed the note."""
+    path = study.path("results/summary.csv")
+    summary = path.read_text()
+    path.write_text(summary.replace("0.", "9."))
+    study.path(LAST_RESULTS).unlink()
+    if note is not None:
+        study.path(LAST_RESULTS).write_text(note)
+    assert study.jobs() == {"report": 1}
+    if note is None:
+        study.succeed()
+        assert path.read_text() == summary
+        assert study.jobs() == {}
+
+
 @pytest.mark.parametrize(
     ("replace", "name", "message"),
     [

@@ -5,27 +5,30 @@ import os
 import zlib
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from roughcontact.io.guards import file_state
 from roughcontact.io.seal import stated_seal
 from roughcontact.study.plan import Plan
 
 LAST_RESULTS = Path(".snakemake/roughcontact-results")
-_ALL = "statistics.nc groups.nc summary.csv uncertainty.csv groups.csv comparisons.csv pairs.csv report.html"
+_OF_ALL = [f"results/{name}.nc" for name in ("statistics", "groups")] + ["results/report.html"]
+_OF_ALL += [f"results/{name}.csv" for name in ("summary", "uncertainty", "groups", "comparisons", "pairs")]
 
 
 def replaced_files() -> list[str]:
-    """Return the files that are not as the last run has left them."""
-    with suppress(OSError, ValueError):
-        last = json.loads(LAST_RESULTS.read_text("utf-8"))
-        changes = (path for path, (state, _) in last.items() if file_state(path) not in (state, None))
-        return [path for path in changes if _content(path) != last[path][1]]
-    return []
+    """Return the files that are not as the last run has left them; of all together also those not noted."""
+    last, changes = dict[str, Any](), list[str]()
+    with suppress(OSError, ValueError, TypeError):  # damaged, or of anybody
+        last = dict(json.loads(LAST_RESULTS.read_text("utf-8")))
+        states = (path for path, (state, _) in last.items() if file_state(path) not in (state, None))
+        changes = [path for path in states if _content(path) != last[path][1]]
+    return [*(path for path in _OF_ALL if path not in last and Path(path).exists()), *changes]
 
 
 def files_of_run(plan: Plan) -> list[str]:
     """Return the paths of all files that a run may leave."""
-    return [*plan.files, *(f"results/{name}" for name in _ALL.split())]
+    return [*plan.files, *_OF_ALL]
 
 
 def note_results(plan: Plan) -> None:
