@@ -142,10 +142,10 @@ def unchanged(path: Path) -> Iterator[None]:
             raise InputFileError("changed while it was read; wait until it is complete, and read it again")
 
 
-def check_points(shape: tuple[int, int], *, layers: int = 1) -> None:
+def check_points(shape: tuple[int, int], *, maps: int = 1) -> None:
     """Refuse maps (ny, nx) of more than 2²⁷ points, or than this computer can hold, before they are read."""
-    (ny, nx), total = shape, layers * shape[0] * shape[1]
-    points = f"{layers} layers of {ny} x {nx} points" if layers > 1 else f"{ny} x {nx} points"
+    (ny, nx), total = shape, maps * shape[0] * shape[1]
+    points = f"{maps} maps of {ny} x {nx} points" if maps > 1 else f"{ny} x {nx} points"
     if total > MAX_POINTS:
         raise InputFileError(f"{points}, more than the {MAX_POINTS} that are read; crop the map")
     check_memory(total * BYTES_PER_POINT, points)

@@ -238,8 +238,10 @@ def lines_not_used(
             # the number of a lens, a filter ... is none of the map; a unit alone may be that of all numbers
             and ("elsewhere" not in matters or length.value != length.value)
         }
-        own = lateral_factor if "lateral" in matters else height_factor
-        other_unit = bare and own and (own not in bare or not bare <= {lateral_factor, height_factor})
+        own_factor = lateral_factor if "lateral" in matters else height_factor
+        other_unit = (
+            bare and own_factor and (own_factor not in bare or not bare <= {lateral_factor, height_factor})
+        )
         is_denied = _DENIED.search(text)
         # what the line may concern, as in the table of doubts
         applies = {

@@ -204,8 +204,8 @@ def _course_chart(course: xr.Dataset, result: str, abscissa: np.ndarray, x_axis:
     unit = unit_of(course.isel({dimension: 0}), UNITS[result])
     # a hardness along the course is no limit of a single contact
     curves = interval_values(course.drop_vars("hardness", errors="ignore"), result)
-    least = CLOSED if result == GAP else 0.0  # finer than atoms nothing is known
-    curve = [np.where(values >= least, values * unit.factor, np.nan) for values in curves]
+    lowest = CLOSED if result == GAP else 0.0  # finer than atoms nothing is known
+    curve = [np.where(values >= lowest, values * unit.factor, np.nan) for values in curves]
     return curves_chart(x_axis, abscissa, f"{TITLES[result]} ({unit.symbol})", {"": curve})
 
 

@@ -58,8 +58,8 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
     if unit in _RESISTANCES:
         symbol, names = _RESISTANCES[unit]
         resistances = [value for name in names if name in plain for value in np.ravel(plain[name])]
-        known = [value for value in resistances if 0 < value < np.inf]
-        return Unit(*prefix(float(np.median(known or [1e-3])), symbol))
+        finite = [value for value in resistances if 0 < value < np.inf]
+        return Unit(*prefix(float(np.median(finite or [1e-3])), symbol))
     heaviest_load = float(np.max(np.nan_to_num(plain.get("mean_pressure", 0.0))))
     pressure = pressure_unit(float(plain.get("contact_modulus", np.nan)), heaviest_load)
     if unit == "Pa":

@@ -214,8 +214,8 @@ def worn_faces(
     rms_height, spread = float(worn.height.std()), float(worn.pressure.std())
     is_flat = rms_height <= _ROUNDING * float(abs(worn.height).max())  # and is worn evenly by any step
     allowed = math.inf if is_flat else (tolerance * rms_height) ** 2
-    first = 2 * math.sqrt(FIRST_SHARE * allowed) / (wear * spread) if spread > 0 else math.inf
-    length = first = min(first, distances[-1])
+    first_step = 2 * math.sqrt(FIRST_SHARE * allowed) / (wear * spread) if spread > 0 else math.inf
+    length = first_step = min(first_step, distances[-1])
     for end in distances:
         while worn.distance < end:
             step = min(length, end - worn.distance)
@@ -228,7 +228,7 @@ def worn_faces(
             factor = min(SAFETY * math.sqrt(share / growth), MAX_GROWTH) if growth > 0 else MAX_GROWTH
             if growth > share:
                 length = factor * step
-                if length < SHORTEST * first:
+                if length < SHORTEST * first_step:
                     raise ConvergenceError(
                         f"after {worn.distance:g} m the solver leaves more open than the tolerance allows; "
                         f"give a smaller solver_tolerance, or a larger tolerance than {tolerance:g}"

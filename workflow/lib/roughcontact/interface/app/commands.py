@@ -63,8 +63,8 @@ class Run:
 
 def panels(plan: Plan | None) -> dict[str, Path]:
     """Return the panel of each result of a plan, in the order of the table; of no plan, those of all."""
-    found = {panel.parent.relative_to(RESULTS).as_posix(): panel for panel in RESULTS.rglob("panel.json")}
-    return {name: found[name] for name in (sorted(found) if plan is None else plan.results) if name in found}
+    paths = {panel.parent.relative_to(RESULTS).as_posix(): panel for panel in RESULTS.rglob("panel.json")}
+    return {name: paths[name] for name in (sorted(paths) if plan is None else plan.results) if name in paths}
 
 
 def results(plan: Plan | None) -> dict[str, tuple[Mapping[str, Any], bool]]:
@@ -101,9 +101,9 @@ def export(result: str, form: str, before: str, *, plan: Plan | None) -> tuple[P
     """
     if not {result, before} <= panels(plan).keys() or form not in EXPORTS:
         raise SettingsError(f"{result}, {before}, {form}: are no results of this study, or no form of them")
-    places = {"folder": RESULTS / result, "before": RESULTS / before}
-    places["output"] = Path("exports", result.replace("/", "-"))
-    arguments = [word.format(**places) for word in EXPORTS[form][1].split()]
+    paths = {"folder": RESULTS / result, "before": RESULTS / before}
+    paths["output"] = Path("exports", result.replace("/", "-"))
+    arguments = [word.format(**paths) for word in EXPORTS[form][1].split()]
     check_within_study(RESULTS, Path("exports"))
     process = run([*_PROGRAM, *arguments], capture_output=True, text=True, check=False)
     command = shlex.join(["roughcontact", *arguments])

@@ -68,7 +68,7 @@ def _check_claimed_size(main: bytes) -> None:
     """Refuse layers whose stated number or size in all is above the limit, before they are read."""
     sizes = [re.search(rb"<(?:\w+:)?Size%c>\s*(\d{1,15})\s*<" % axis, main) for axis in b"XYZ"]
     nx, ny, layers = (int(size[1]) if size else 1 for size in sizes)
-    check_points((ny, nx), layers=layers)
+    check_points((ny, nx), maps=layers)
     check_count(layers)
 
 
