@@ -15,7 +15,6 @@ from roughcontact.arguments.maps import height_map as labelled
 from roughcontact.report.charts import Axis, Chart, tick_text
 from roughcontact.report.colours import colour_scale, coloured
 from roughcontact.report.map_plots import height_map
-from roughcontact.report.units import unit_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -223,8 +222,7 @@ def test_few_points_are_told_from_many():
 @pytest.mark.parametrize("extent", [2e-9, 5e-7, 3e-4])
 def test_the_label_of_colours_is_whole_in_whatever_unit(extent):
     heights = labelled(np.linspace(-extent, extent, 64).reshape(8, 8), 1e-6)
-    unit = unit_of({"rms_height": extent}, "m")
-    picture = ElementTree.fromstring(unquote(height_map(heights, unit=unit).source().partition(",")[2]))
+    picture = ElementTree.fromstring(unquote(height_map(heights).source().partition(",")[2]))
     turned = [text for text in picture.iter(f"{SVG}text") if "rotate" in text.get("transform", "")]
     assert len(turned) == 2
     for text in turned:

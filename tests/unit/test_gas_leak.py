@@ -59,7 +59,7 @@ def test_the_check_of_the_fluid(seal, outcome, text):
     columns = {"leak_rate_x": [1e-9], "critical_constriction_x": [1e-6], "critical_constriction_y": [0.0]}
     statistics = xr.Dataset(
         {name: ("load", values) for name, values in columns.items()},
-        {"mean_pressure": ("load", [1e6])},
+        {"mean_pressure": ("load", [1e6]), "fluid_pressure": attrs["seal_pressure_difference"]},
         attrs,
     )
     check = fluid(statistics)
