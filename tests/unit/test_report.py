@@ -393,6 +393,7 @@ def test_each_check_can_ask_for_a_look(good):
     poor["rejected_load_share"] = ("load", [0.11, 0.04])
     poor["mean_contact_pressure"] = poor["max_pressure"] / 20
     poor.attrs["window_flag"] = "A few places hold most of the heights. Measure more places."
+    poor.attrs["window_advice"] = "Measure more places."
     checks_by_name, verdict = outcomes(
         poor,
         height={

@@ -271,9 +271,9 @@ def sample(statistics: Statistics) -> Check:
         return not_made(
             "Not made: the surface beyond the map is not in the error budget (uncertainty.sources)."
         )
-    finding, remedy, advice = statistics.attrs["window_flag"].partition(" Measure ")
-    if finding:
-        return review(finding, advice=f"{remedy}{advice}".lstrip())
+    if flag := statistics.attrs["window_flag"]:
+        advice = statistics.attrs.get("window_advice", "")
+        return review(flag.removesuffix(advice).rstrip(), advice=advice)
     return passed("The map gives no sign that the surface beyond it differs: see the sources of the ±.")
 
 

@@ -102,7 +102,7 @@ def error_budget(
         corrected for its instrument, the result without that. `{quantity}_at_cutoff` (load, cutoff): the
         magnification curve; `{quantity}_sensitivity` (load, input); `{quantity}_parts` (member, load): the
         results of the subwindows. For any sources `rejected_load_share` (load). Attributes: `window_reason`
-        describes the subwindows, `window_flag` their deficiency.
+        describes the subwindows, `window_flag` their deficiency, at its end `window_advice`.
 
     Raises
     ------

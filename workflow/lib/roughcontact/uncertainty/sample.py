@@ -19,7 +19,10 @@ _GROOVE_AREA_LIMIT = 0.2  # of the window: random valleys, of waves up to a thir
 
 
 def sample_attributes(scatter: Scatter, height: xr.DataArray, *, aspect: float) -> dict[str, Any]:
-    """Return what is said of the members of a map of a texture aspect ratio, and what they do not tell."""
+    """Return what is said of the members of a map of a texture aspect ratio, and what they do not tell.
+
+    `window_advice`, with which `window_flag` ends, is what to do about that.
+    """
     has_failure = np.isnan(scatter.members[GAP]).any()
     if scatter.reason:
         flag = "The solution of a surface missed the tolerance." if has_failure else ""
@@ -30,9 +33,9 @@ def sample_attributes(scatter: Scatter, height: xr.DataArray, *, aspect: float) 
         reason = f"The window of {nx} × {ny} points is too small to be divided into parts."
         flag = (
             f"The map is too small to estimate how well it represents the surface: {nx} × {ny} points cannot "
-            "be divided into parts. Measure more places, or a larger one."
+            "be divided into parts."
         )
-        return {"window_reason": reason, "window_flag": flag}
+        return {"window_reason": reason, **_flagged(flag, "Measure more places, or a larger one.")}
     coverage = sum(math.prod(height.isel(area).shape) for area in scatter.slices) / height.size
     reason = (
         f"The ± is for {MEASURAND_IN_WORDS}. {parts} parts of about {nx} × {ny} points, "
@@ -46,21 +49,27 @@ def sample_attributes(scatter: Scatter, height: xr.DataArray, *, aspect: float) 
             f" Grooves or valleys lead out of the map along {axes}: their narrowest place has no upper "
             "limit, as it may be wider elsewhere."
         )
-    flag, kurtosis = "", height.attrs.get("Sku", 3.0)
+    flag, advice, kurtosis = "", "", height.attrs.get("Sku", 3.0)
     if has_failure:
         flag = "The solution of a part of the window missed the tolerance."
     elif kurtosis > _KURTOSIS_LIMIT:
         flag = (
             "A few places, deep pits or high peaks, contribute most of the mean square height (Sku = "
-            f"{number(kurtosis)}): a single map does not tell their number elsewhere. Measure more places."
+            f"{number(kurtosis)}): a single map does not tell their number elsewhere."
         )
+        advice = "Measure more places."
     elif aspect < _LAY_LIMIT:
         flag = (
             f"The surface has a lay, and parts along it contain the same ridges: the {parts} parts are worth "
-            "no more than three independent ones. Measure a map that is longer across the lay, or more "
-            "places."
+            "no more than three independent ones."
         )
-    return {"window_reason": reason, "window_flag": flag}
+        advice = "Measure a map that is longer across the lay, or more places."
+    return {"window_reason": reason, **_flagged(flag, advice)}
+
+
+def _flagged(flag: str, advice: str) -> dict[str, str]:
+    """Return the attributes of a deficiency, and what to do about it."""
+    return {"window_flag": f"{flag} {advice}".strip(), "window_advice": advice}
 
 
 def constrictions_in_grooves(window: xr.DataArray) -> list[str]:
