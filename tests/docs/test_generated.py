@@ -15,7 +15,7 @@ import roughcontact
 from roughcontact.arguments.settings.fields import section_model
 from roughcontact.arguments.settings.models import Settings
 from roughcontact.arguments.variables import VARIABLES
-from roughcontact.study.surfaces import COLUMNS
+from roughcontact.study.table.columns import COLUMNS
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "workflow/lib/roughcontact"

@@ -9,7 +9,7 @@ from measured_files import array, cells, refuses, warnings_of
 import roughcontact as rc
 from roughcontact import SettingsError, inspect_file
 from roughcontact.interface.program import main
-from roughcontact.study.surfaces import read_surfaces
+from roughcontact.study.table.read import read_surfaces
 
 HEIGHTS = np.round(np.random.default_rng(4).normal(size=(14, 20)), 3)
 MARKED = HEIGHTS.copy()

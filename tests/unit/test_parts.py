@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.study.surfaces import read_surfaces
+from roughcontact.study.table.read import read_surfaces
 from roughcontact.study.tiles import Tile, cut, parse_tiles
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.study.plan import NO_NAME, Plan, regex_of_names
-from roughcontact.study.surfaces import Surface
+from roughcontact.study.table.row import Surface
 
 RAW = {"window": {"method": "raw"}}
 SOFT = {"contact": {"contact_modulus": 1e8}}

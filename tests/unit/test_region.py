@@ -8,7 +8,7 @@ from roughcontact.arguments.measurement import Measurement
 from roughcontact.arguments.rectangles import Rectangle, parse_rectangles
 from roughcontact.statistics.map_checks import reading
 from roughcontact.statistics.outcome import noted
-from roughcontact.study.surfaces import read_surfaces
+from roughcontact.study.table.read import read_surfaces
 from roughcontact.surface.preparation.region import used_region
 
 

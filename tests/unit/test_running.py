@@ -23,7 +23,7 @@ from roughcontact.study import records, running
 from roughcontact.study.plan import Plan
 from roughcontact.study.run_lock import run_lock
 from roughcontact.study.study import read_study
-from roughcontact.study.surfaces import read_surfaces
+from roughcontact.study.table.read import read_surfaces
 from roughcontact.study.yaml_text import check_yaml
 
 CHECKOUT = Path(__file__).parents[2]

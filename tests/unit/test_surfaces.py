@@ -9,8 +9,8 @@ from roughcontact import SettingsError, inspect_file, read_height_map
 from roughcontact.arguments.settings.messages import NAME, name_mistake
 from roughcontact.interface.command_line.project import surface_names, write_project
 from roughcontact.io.request import FILE_OPTIONS
-from roughcontact.study.study import _find_mistakes
-from roughcontact.study.surfaces import (
+from roughcontact.study.places import find_file
+from roughcontact.study.table.columns import (
     BEFORE,
     COLUMNS,
     GROUP,
@@ -24,13 +24,11 @@ from roughcontact.study.surfaces import (
     REQUIRED,
     SPECIMEN,
     TILES,
-    find,
-    measured,
-    placements,
-    read_surfaces,
-    same_area_pairs,
-    table_text,
 )
+from roughcontact.study.table.pairs import placements
+from roughcontact.study.table.read import measured, read_surfaces
+from roughcontact.study.table.same_area import same_area_pairs
+from roughcontact.study.table.text import table_text
 
 
 @pytest.fixture
@@ -111,8 +109,8 @@ def test_the_working_directory_comes_before_the_folder_of_the_table(table, tmp_p
     assert read_surfaces(path)["a"].path.read_text() == "beside the table"
     (work / "a.txt").write_text("here")
     assert read_surfaces(path)["a"].path.read_text() == "here"
-    assert str(find("a.txt", [".", tmp_path])) == "a.txt"
-    assert find(tmp_path / "a.txt", ["."]) == tmp_path / "a.txt"
+    assert str(find_file("a.txt", [".", tmp_path])) == "a.txt"
+    assert find_file(tmp_path / "a.txt", ["."]) == tmp_path / "a.txt"
 
 
 def test_mark_at_the_start_and_line_ends_of_other_systems(tmp_path):
@@ -336,7 +334,7 @@ def test_a_table_as_excel_saves_text_with_tabs_is_read(table):
 def test_no_control_character_of_a_table_reaches_the_terminal(table):
     cells = "\x1b[31mred", "\x1b]0;title\x07", "\x9b31m"
     path = table("surface\tpath\tgroup\tpart", *(f"{cell}\t{cell}\t{cell}\t{cell}" for cell in cells))
-    message = mistakes(path, check=_find_mistakes)
+    message = mistakes(path, files_exist=True)
     assert "no such file" in message
     assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f-\x9f]", message)
 
@@ -345,9 +343,7 @@ def test_no_control_character_of_a_table_reaches_the_terminal(table):
 @pytest.mark.parametrize("column", ["path", "counter_face"])
 def test_a_folder_is_no_file(table, column, path):
     cells = {"path": "test_surfaces.py", column: path}
-    message = mistakes(
-        table("surface\tpath\tcounter_face", f"a\t{cells['path']}\t{path}"), check=_find_mistakes
-    )
+    message = mistakes(table("surface\tpath\tcounter_face", f"a\t{cells['path']}\t{path}"), files_exist=True)
     assert re.search(rf"line 2, {column} = '(\.|\./|\.\.)': (no such file|names no file)", message)
 
 
@@ -360,9 +356,8 @@ def test_a_table_is_read_in_the_encoding_that_it_marks(tmp_path, encoding):
 
 def test_a_path_too_long_for_any_file_is_no_such_file(table):
     path = table("surface\tpath", f"a\t{'a' * 5000}.txt")
-    ((column, sentence),) = _find_mistakes(read_surfaces(path)["a"])
-    assert column == "path"
-    assert sentence.startswith(f"path = '{'a' * 5000}.txt': no such file")
+    message = mistakes(path, files_exist=True)
+    assert f"line 2, path = '{'a' * 5000}.txt': no such file" in message
 
 
 @pytest.mark.parametrize("name", ["seal-counter-face", "seal-face", "seal-1"])

@@ -49,7 +49,8 @@ from roughcontact.io import inspection, registry
 from roughcontact.io.guards import sha256
 from roughcontact.report.summary import Summary, write_summary
 from roughcontact.results.storage import write_dataset
-from roughcontact.study.surfaces import column_choices, column_meaning, read_surfaces
+from roughcontact.study.table.columns import column_choices, column_meaning
+from roughcontact.study.table.read import read_surfaces
 
 in_browser = [pytest.mark.browser, pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")]
 SUMMARY = {key: [] if key in ("reasons", "doubts", "loads") else "use" for key in Summary.__annotations__}

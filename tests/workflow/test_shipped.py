@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.study.surfaces import read_surfaces
+from roughcontact.study.table.read import read_surfaces
 
 ROOT = Path(__file__).parents[2]
 

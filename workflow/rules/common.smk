@@ -14,10 +14,14 @@ from roughcontact.study.records import (
     replaced_files,
 )
 from roughcontact.study.rule_arguments import RuleArguments
-from roughcontact.study.places import check_places, date_back, stale_results
+from roughcontact.study.places import (
+    check_places,
+    date_back,
+    find_file,
+    stale_results,
+)
 from roughcontact.study.plan import Plan
 from roughcontact.study.study import read_study
-from roughcontact.study.surfaces import find
 from roughcontact.study.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 from roughcontact.io.guards import listed
@@ -30,7 +34,7 @@ gc.disable()
 
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.
-DEFAULT = find("config/config.yaml", [".", ROOT])
+DEFAULT = find_file("config/config.yaml", [".", ROOT])
 # as Snakemake has made them absolute, before it changed to --directory. Its documentation names no way to learn which
 # files the configuration comes from; messages, checks of the YAML and paths relative to these files need it.
 STATED = workflow.configfiles
@@ -95,7 +99,7 @@ REPORT = {
 }
 
 if DEFAULTS and not os.path.isfile("config/config.yaml"):
-    table = find(PLAN.common["surfaces"], FOLDERS)
+    table = find_file(PLAN.common["surfaces"], FOLDERS)
     logger.info(
         f"There is no config/config.yaml here: settings of {DEFAULT}, surfaces of {table} "
         f"({len(PLAN.measured)} maps)."

@@ -272,7 +272,7 @@ def _endings(content: Mapping[str, str]) -> str:
 def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
     """Add the options of `init` for materials, loads, form, columns of the table and what is derived."""
     from roughcontact.interface.command_line.options import add_body, add_setting
-    from roughcontact.study.surfaces import column_meaning
+    from roughcontact.study.table.columns import column_meaning
 
     add_body(parser)
     for option, name in _INITIAL.items():

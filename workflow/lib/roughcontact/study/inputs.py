@@ -10,9 +10,11 @@ from roughcontact.arguments.bodies import relaxation_table
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.guards import sha256
 from roughcontact.results.storage import read_attributes, write_text
+from roughcontact.study.places import find_file
 from roughcontact.study.plan import Plan
 from roughcontact.study.study import read_study
-from roughcontact.study.surfaces import OVERVIEW, PAIR, find, read_table, separate_files, table_text
+from roughcontact.study.table.columns import OVERVIEW, PAIR
+from roughcontact.study.table.text import read_table, separate_files, table_text
 from roughcontact.study.yaml_text import check_yaml
 
 FOLDER = "run_inputs"  # no surface has this name: `_` is not admitted
@@ -38,14 +40,14 @@ def copy_inputs(results: Path, configuration: Path, read_checksums: set[str]) ->
         settings_of_result = json.loads(read_attributes(results / result / "statistics.nc")["settings"])
         if settings_of_result != json.loads(json.dumps(plan.settings("statistics", result))):
             raise InputFileError(f"{result}: its settings, or its row, have changed; repeat the run first")
-    table = find(plan.common["surfaces"], search_path) or Path()
+    table = find_file(plan.common["surfaces"], search_path) or Path()
     header, rows = read_table(table)
     target = results / FOLDER
     shutil.rmtree(target, ignore_errors=True)
 
     def copied(path: str, folders: list[Path]) -> str:
         """Copy a file into a folder named after its content, so that no other file has its path."""
-        file = find(path, folders) or Path(path)
+        file = find_file(path, folders) or Path(path)
         checksum = sha256(file)
         if checksum not in read_checksums:
             raise InputFileError(f"{file}: is not the file that the run has read; repeat the run first")

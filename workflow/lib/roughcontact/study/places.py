@@ -60,3 +60,11 @@ def check_dates(paths: Iterable[str]) -> None:
                 f"({present}): set the clock right, or date such files of today: "
                 f"find {path.parent} -newermt now -exec touch {{}} +"
             )
+
+
+def find_file(path: str | Path, folders: Iterable[str | Path]) -> Path | None:
+    """Return the first existing file among `folder / path`, None where there is none."""
+    # relative in the working directory: recorded paths do not depend on where that is
+    candidates = (Path(folder) / path for folder in folders)
+    # false also of a path that is too long
+    return next((candidate for candidate in candidates if os.path.isfile(candidate)), None)  # noqa: PTH113

@@ -24,7 +24,10 @@ from roughcontact.arguments.settings.stages import (
     stages_after,
 )
 from roughcontact.arguments.stacks import located_materials
-from roughcontact.study.surfaces import Placement, Surface, measured, placements, same_area_pairs
+from roughcontact.study.table.pairs import Placement, placements
+from roughcontact.study.table.read import measured
+from roughcontact.study.table.row import Surface
+from roughcontact.study.table.same_area import same_area_pairs
 
 Rule = Literal[
     "prepare",

@@ -1,29 +1,20 @@
 """Settings and table of surfaces together: all mistakes in both are reported at once, before a run begins."""
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from roughcontact.arguments.checking import check_choice, marker_values
 from roughcontact.arguments.kinds import PERIODIC_MAP
 from roughcontact.arguments.settings.models import Composite, Settings
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.arguments.units import unit_factor, unknown_unit
 from roughcontact.errors import SettingsError
-from roughcontact.study.surfaces import (
-    CHOICES,
-    GROUP,
-    OVERVIEW,
-    PAIR,
-    Mistake,
-    Surface,
-    find,
-    first_rows,
-    read_surfaces,
-)
+from roughcontact.study.places import find_file
+from roughcontact.study.table.columns import GROUP, PAIR
+from roughcontact.study.table.groups import first_rows
+from roughcontact.study.table.read import read_surfaces
+from roughcontact.study.table.row import Surface
 from roughcontact.study.yaml_text import check_size
 
 
@@ -51,10 +42,8 @@ def read_study(
     table = config.get("surfaces", Settings.model_fields["surfaces"].default)
     if isinstance(table, str) and table:  # otherwise it is among the mistakes in the settings
         try:
-            path, count = find(table, folders) or table, _placements_each(config)
-            surfaces = read_surfaces(
-                path, measured_in, check=None if checked else _find_mistakes, placements_each=count
-            )
+            path, count = find_file(table, folders) or table, _placements_each(config)
+            surfaces = read_surfaces(path, measured_in, files_exist=not checked, placements_each=count)
         except SettingsError as error:
             errors.append(error)
     errors += [
@@ -85,31 +74,3 @@ def _placements_each(config: Mapping[str, Any]) -> int:
     except ValidationError:
         return 1
     return composite.shifts * len(composite.rotations)
-
-
-def _find_mistakes(row: Surface) -> list[Mistake]:
-    """Return column and sentence of the mistakes in the files, units and choices of a row."""
-    paths = [*zip(("path", PAIR), (file.path for file in row.files()), strict=False)]
-    paths += [(OVERVIEW, Path(file["path"])) for file in row.read_arguments.get(OVERVIEW, ())]
-    mistakes = [
-        (key, f"{key} = {str(path)!r}: no such file; correct the path or put # before the row")
-        for key, path in paths
-        if (key, path) != ("path", Path()) and find(path, ["."]) is None
-    ]
-    mistakes += [
-        (key, f"{key}: {unknown_unit(row.read_arguments[key], 'm')}")
-        for key in ("unit", "height_unit")
-        if key in row.read_arguments and unit_factor(row.read_arguments[key], "m") is None
-    ]
-    checks: dict[str, Callable[[Any], object]] = {
-        "missing_value": marker_values,
-        "ignore_lines": lambda cell: marker_values(cell, "ignore_lines"),
-        **{key: partial(check_choice, key, choices=words) for key, words in CHOICES.items()},
-    }
-    for key, check in checks.items():
-        try:
-            if cell := row.read_arguments.get(key):
-                check(cell)
-        except SettingsError as error:
-            mistakes.append((key, str(error)))
-    return mistakes

@@ -29,7 +29,8 @@ from roughcontact.io.inspection import inspect_heights
 from roughcontact.io.read import read_height_map
 from roughcontact.io.request import FILE_OPTIONS, Request
 from roughcontact.report.colours import coloured
-from roughcontact.study.surfaces import find, table_text
+from roughcontact.study.places import find_file
+from roughcontact.study.table.text import table_text
 
 MEASURED = Path("measured")  # where dropped files go
 OPTIONS = {name.replace("-", "_"): name for name in FILE_OPTIONS}
@@ -68,7 +69,7 @@ class Reader:
 
 def _key(row: Row) -> str:
     """Return a text that changes with the file of a row, and with what the row says of it."""
-    file = find(row.get("path", ""), ["."])
+    file = find_file(row.get("path", ""), ["."])
     written = file.stat().st_mtime_ns if file else 0
     return hashlib.sha256(repr((written, row.get("path"), _entries(row))).encode()).hexdigest()
 

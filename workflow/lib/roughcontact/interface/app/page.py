@@ -12,15 +12,15 @@ from roughcontact.errors import SettingsError
 from roughcontact.interface.app import commands, jobs, measurements, study
 from roughcontact.report.template import template
 from roughcontact.statistics import outcome
-from roughcontact.study import surfaces
 from roughcontact.study.plan import Plan
+from roughcontact.study.table import columns
 
 FOLDER = Path(__file__).with_name("page")
 _PAGE, _BAR, _COMPARED = (template(f"{name}.html", folder=FOLDER) for name in ("page", "bar", "compared"))
 # what the templates read of the settings, the table and the results
 _MODULES = (
     *(commands, fields, generated, jobs, models, named_materials, outcome, plausible, rectangles),
-    *(surfaces, units),
+    *(columns, units),
 )
 _PICK = "page.pick."  # of a row that is ticked, its number
 _OF_ROWS = ("add", "set", "remove", "undo", "all")

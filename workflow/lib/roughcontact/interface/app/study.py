@@ -20,7 +20,9 @@ from roughcontact.io.guards import brief
 from roughcontact.results.storage import write_text
 from roughcontact.study.plan import Plan
 from roughcontact.study.study import read_study
-from roughcontact.study.surfaces import REQUIRED, read_surfaces, read_table, table_text
+from roughcontact.study.table.columns import REQUIRED
+from roughcontact.study.table.read import read_surfaces
+from roughcontact.study.table.text import read_table, table_text
 from roughcontact.study.yaml_text import check_yaml
 
 CONFIG = Path("config/config.yaml")

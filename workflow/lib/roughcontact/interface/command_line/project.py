@@ -49,7 +49,7 @@ def write_project(
     from roughcontact.arguments.settings.generated import default_yaml
     from roughcontact.arguments.settings.resolve import resolve
     from roughcontact.results.storage import write_text
-    from roughcontact.study.surfaces import table_text
+    from roughcontact.study.table.text import table_text
 
     for path in _FILES:
         if path.exists():

@@ -1,0 +1,64 @@
+"""Maps that are cut: their tiles `map-1-1`, `map-2-1` ... (along x, along y) are surfaces of their own."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import astuple, replace
+
+from roughcontact.errors import SettingsError
+from roughcontact.study.table.columns import BEFORE, REPEAT, TILES
+from roughcontact.study.table.row import Surface, in_cell
+from roughcontact.study.table.same_area import same_area_pairs
+from roughcontact.study.tiles import Tile, parse_tiles
+
+
+def mistakes_in_parts(surfaces: Mapping[str, Surface]) -> Iterator[SettingsError]:
+    """Yield what is wrong with the maps that are cut."""
+    of_same_area = {name for pair in same_area_pairs(surfaces) for name in pair}
+    names = {name.lower(): name for name in surfaces}
+    for row in surfaces.values():
+        if not row.parts:
+            continue
+        cell = f"{TILES} = {row.parts}"
+        if row.name in of_same_area:
+            text = (
+                f"{cell}: {row.name} is the same place as another surface ({REPEAT}, {BEFORE}), which its "
+                "parts are not; compare the whole maps, or leave that cell empty"
+            )
+            yield in_cell(row, TILES, text)
+        try:
+            tiles = parse_tiles(row.parts)
+        except SettingsError as error:
+            yield in_cell(row, TILES, str(error))
+            continue
+        for tile in tiles:
+            if namesake := names.get(_name(row, tile).lower()):
+                text = f"{row.name} needs this name for one of its parts ({cell}); rename one"
+                yield in_cell(surfaces[namesake], "surface", f"surface = {namesake}: {text}")
+
+
+def with_parts(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
+    """Return the rows, with its tiles in place of each map that is cut.
+
+    Where its group has other maps as well, the tiles of a map are of one specimen, as they lie side by side.
+    """
+    sizes = Counter(row.group for row in surfaces.values())
+    rows: dict[str, Surface] = {}
+    for name, row in surfaces.items():
+        specimen = row.specimen or (name if row.group and sizes[row.group] > 1 else "")
+        tiles = [
+            replace(
+                row,
+                name=_name(row, tile),
+                read_arguments=row.read_arguments | {TILES: [*astuple(tile)]},
+                group=row.group or name,
+                specimen=specimen,
+            )
+            for tile in (parse_tiles(row.parts) if row.parts else ())
+        ]
+        rows |= {part.name: part for part in tiles or [row]}
+    return rows
+
+
+def _name(row: Surface, tile: Tile) -> str:
+    """Return the name of the surface that a tile of a map is."""
+    return f"{row.name}-{tile.column}-{tile.row}"

@@ -1,0 +1,46 @@
+"""Groups of the table of surfaces: maps of one finish, which have a result together."""
+
+from collections.abc import Iterator, Mapping
+
+from roughcontact.arguments.settings.messages import name_mistake
+from roughcontact.errors import SettingsError
+from roughcontact.study.table.columns import GROUP, SPECIMEN, TILES
+from roughcontact.study.table.row import Surface, in_cell
+
+
+def first_rows(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
+    """Return the first row of each group, by its name."""
+    return {row.group: row for row in reversed([*surfaces.values()]) if row.group}
+
+
+def mistakes_in_groups(surfaces: Mapping[str, Surface]) -> Iterator[SettingsError]:
+    """Yield what is wrong with the groups of maps, and each part without one."""
+    groups: dict[str, list[Surface]] = {}
+    for row in surfaces.values():
+        if row.group:
+            groups.setdefault(row.group, []).append(row)
+        elif row.specimen:
+            text = f"{SPECIMEN} = {row.specimen}: is in no group; name its {GROUP} as well"
+            yield in_cell(row, SPECIMEN, text)
+    for name, rows in groups.items():
+        cell = f"{GROUP} = {name}"
+        if wrong := name_mistake(name):
+            yield in_cell(rows[0], GROUP, f"{cell}: {wrong}")
+        if name in surfaces:
+            yield in_cell(rows[0], GROUP, f"{cell}: a surface has this name as well; rename one")
+        read: dict[str, Surface] = {}
+        for row in rows:
+            arguments = {key: value for key, value in row.read_arguments.items() if key != TILES}
+            channels = arguments.pop("channel", "").split(";")  # of profiles several
+            for channel in dict.fromkeys(map(str.strip, channels)):
+                files = [str(file.path) for file in row.files()]
+                original = read.setdefault(f"{files} {channel} {arguments}", row)
+                if original.origin != row.origin:
+                    file = f"{row.path} {channel}".strip()
+                    text = f"{cell}: {original.name} and {row.name} are the same file, {file}; leave one out"
+                    yield in_cell(rows[0], GROUP, text)
+        if len(rows) == 1 == len(rows[0].files()):
+            text = (
+                f"{cell}: has {rows[0].name} alone; name further maps of the finish, or leave the cell empty"
+            )
+            yield in_cell(rows[0], GROUP, text)

@@ -1,0 +1,61 @@
+"""One row of the table of surfaces: a measured map, profiles, or a pair of faces."""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from roughcontact.arguments.lays import lay_facts
+from roughcontact.errors import SettingsError
+
+Mistake = tuple[str, str]  # the column of a cell, and what is wrong, a sentence that begins with it
+
+
+@dataclass(frozen=True)
+class Surface:
+    """One row of the table."""
+
+    name: str  # of the surface and of its folder of results
+    path: Path  # the measured file; as in the table where there is no such file
+    origin: str  # table and line, for messages
+    read_arguments: dict[str, Any]  # keyword arguments of `read_height_map`
+    faces: tuple["Surface", ...] = ()  # of a pair: its two measured files
+    group: str = ""  # the finish
+    specimen: str = ""  # empty where it is of a specimen of its own
+    repeat_of: str = ""  # surface of the same area, measured with nothing done in between
+    before: str = ""  # surface of the same area before something was done to it
+    parts: str = ""  # into which the map is cut, 2x2
+    line: int = field(default=0, kw_only=True)  # of the table
+
+    @property
+    def lay(self) -> str:
+        """The direction of a profile to the lay of its surface, empty of a map."""
+        return str(self.read_arguments.get("lay", ""))
+
+    @property
+    def has_surface_behind(self) -> bool:
+        """Whether a surface behind profiles is solved: of profiles without a lay, or of both directions."""
+        return lay_facts(self.read_arguments).has_surface_behind or "along" in self.read_arguments
+
+    @property
+    def properties(self) -> tuple[str, ...]:
+        """What may exclude settings (`KindFacts.excluded_with`)."""
+        return ("faces",) if self.faces else ()
+
+    def files(self) -> list["Surface"]:
+        """Return the measured files of a row: itself, or of a pair its face and its counter-face."""
+        return [*(self.faces or [self])]
+
+    def with_counter_face(self, path: Path, first_row: str = "") -> "Surface":
+        """Return the pair with the face in another file, of which all but its `first_row` is the same."""
+        counter = {key: value for key, value in self.read_arguments.items() if key != "first_row"}
+        counter |= {"first_row": first_row} if first_row else {}
+        faces = (
+            Surface(f"{self.name}-face", self.path, self.origin, self.read_arguments),
+            Surface(f"{self.name}-counter-face", path, self.origin, counter),
+        )
+        return replace(self, faces=faces)
+
+
+def in_cell(row: Surface, column: str, sentence: str) -> SettingsError:
+    """Return the error of a cell, from its column and a sentence that begins with it."""
+    return SettingsError(f"line {row.line}, {sentence}", place=f"rows.{row.line}.{column}")
