@@ -8,7 +8,7 @@ u² = (u2 - r u1)² + (1 - r²) u1² (JCGM 100:2008, 5.2.2).
 import math
 from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,22 +19,12 @@ from roughcontact.arguments.si import as_declared
 from roughcontact.errors import SettingsError
 from roughcontact.statistics.kinds import check_sizes
 from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads
-from roughcontact.uncertainty.combination import SOURCES
+from roughcontact.uncertainty import random_effects
+from roughcontact.uncertainty.combination import SIGNS, SOURCES
 from roughcontact.uncertainty.groups import check_alike, scaled_components
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.improvement import ADVICE
 from roughcontact.uncertainty.members import SHARED
-from roughcontact.uncertainty.random_effects import (
-    SIGNIFICANCE,
-    Effects,
-    adjust_over_loads,
-    holm,
-    maps_needed,
-    p_value,
-    random_effects,
-    student,
-    welch,
-)
 from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, extend_to_loads, to_scale
 
 RELEVANT = 0.1  # relative difference that matters, unless another one is stated
@@ -44,6 +34,10 @@ _MIN_DIFFERENCE = 1e-4  # relative difference: no smaller one is named
 _MORE_PLACES = "measure several places of each"
 _RATIOS = tuple(f"ratio{suffix}" for suffix in ENDS)
 _ALL_CASES = 3  # up to so many, every two are compared
+COMPARED = (*_RATIOS, "p_value", "outcome")
+# what an outcome is told from: of groups also the standard deviation of a part (of a pair of maps), and the
+# half-width that more maps make no smaller; the index of the source with the largest part in what differs
+_COLUMNS = (*_RATIOS, "p_value", "spread", "shared", "largest_source")
 
 
 @as_declared
@@ -162,7 +156,9 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     order; NaN without a positive number, uncertainty or bound. Errors are as correlated as the results of the
     same parts of the window, those of the solver independent, those of the material where the moduli differ.
     """
-    return _compare_two_maps((first, second)).table(_RATIOS)
+    count = min(data.sizes["load"] for data in (first, second))
+    maps = [data.isel(load=slice(count)) for data in (first, second)]
+    return _compare_two_maps(maps)[[*_RATIOS]].drop_attrs()
 
 
 def compare_maps(
@@ -198,16 +194,16 @@ def _of_map(
     is without what an overview shows of others. Numbers are interpolated to the `loads`, if any.
     """
 
-    def reach(endings: Sequence[str]) -> list[np.ndarray]:
-        """Return how far the ends of an interval lie below and above the value (load)."""
-        bounds = (to_scale(GAP, data.get(f"{name}{key}", np.nan * data[name]).values) for key in endings)
-        return [sign * (bound - value) for sign, bound in zip((-1, 1), bounds, strict=True)]
+    def reach(endings: Sequence[str]) -> np.ndarray:
+        """Return how far the ends of an interval lie below and above the value (side, load)."""
+        ends = [to_scale(GAP, data.get(f"{name}{key}", np.nan * data[name]).values) for key in endings]
+        return SIGNS[:2] * (np.array(ends) - value)
 
     fine_map = data.get(f"{name}_alone", data[name])  # NaN of a map beside others with an overview
     value = to_scale(GAP, (fine_map.fillna(data[name]) if of_place else data[name]).values)
     widths = scaled_components(name, data, scale=GAP)
     if f"{name}_components" not in data:
-        widths[:, 0, :2] = np.transpose(reach(ENDS[1:]))
+        widths[:, 0, :2] = reach(ENDS[1:]).T
     elif of_place:
         window = SOURCES.index("window")
         other_sources, of_window = np.delete(widths, window, axis=1), widths[:, window, :2].copy()
@@ -224,57 +220,27 @@ def _of_map(
     return numbers if loads is None else tuple(interpolated(own_loads, loads, values) for values in numbers)
 
 
-class _Compared(NamedTuple):
-    """The ratios of two groups, and what a judgement of them needs."""
-
-    # quantity -> (load,): `ratio` and its ends, `p_value` (adjusted for loads), `largest_source`, the index
-    # of that with the largest part in what differs, or is shared; of groups also `spread`, the standard
-    # deviation of a part (of a pair of maps), and `shared`, the half-width that more maps make no smaller
-    rows: Mapping[str, dict[str, np.ndarray]]
-    load: np.ndarray  # Pa
-    paired: bool = True
-    maps: int = 0  # or parts, of the smaller group; 0 for two maps
-    noun: str = ""  # what more of would tell
-    of_place: bool = False  # two maps of one place, and no other
-
-    def table(self, keys: Sequence[str]) -> xr.Dataset:
-        """Return some of the columns as a dataset."""
-        shape = len(self.rows), self.load.size
-        arrays = {key: np.reshape([row[key] for row in self.rows.values()], shape) for key in keys}
-        return xr.Dataset(
-            {key: (("quantity", "load"), array) for key, array in arrays.items()},
-            {"quantity": np.array([*self.rows], object), "mean_pressure": ("load", self.load)},
-        )
-
-
 def _compare_two_maps(
     maps: Sequence[xr.Dataset], loads: np.ndarray | None = None, *, of_place: bool = False
-) -> _Compared:
+) -> xr.Dataset:
     """Return the comparison of two maps, of this place alone or not, without a judgement.
 
-    They have the `loads` in order, or their numbers are interpolated there.
+    They have the same loads in order, or their numbers are interpolated to the `loads`.
     """
-    if loads is None:
-        count = min(data.sizes["load"] for data in maps)
-        maps = [data.isel(load=slice(count)) for data in maps]
     at_loads = maps[0]["mean_pressure"].values if loads is None else loads
-    zeros, rows = np.zeros(at_loads.size), {}
+    rows = {}
     for name in _names(*maps):
         numbers = [_of_map(name, data, loads, of_place=of_place) for data in maps]
         values, widths, deviations = zip(*numbers, strict=True)
-        correlations = np.tile(_source_correlations(*maps), (zeros.size, 1))
+        correlations = np.tile(_source_correlations(*maps), (at_loads.size, 1))
         correlations[:, SOURCES.index("window")] = _correlations(deviations, at_loads)
         if any(f"{name}_components" not in data for data in maps):
             correlations = 0 * correlations  # nothing is known of what they share
-        difference, half_widths = values[1] - values[0], _unshared_half_widths(widths, correlations)
-        towards_none = np.where(difference > 0, *half_widths) / student(np.array(np.inf))
-        p_values = p_value(difference, towards_none, zeros + np.inf)
-        rows[name] = _ratios(difference, widths, correlations, scatter=zeros)
-        rows[name]["p_value"] = adjust_over_loads(p_values)
-    return _Compared(rows, at_loads, of_place=of_place)
+        rows[name] = _row(widths, correlations, values[1] - values[0])
+    return _table(rows, at_loads, of_place=of_place)
 
 
-def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compared:
+def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> xr.Dataset:
     """Return the comparison of two groups, without a judgement."""
     labels = [first.attrs.get("group") or "the first", second.attrs.get("group") or "the second"]
     for label, data in zip(labels, (first, second), strict=True):
@@ -314,60 +280,108 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
     rows, units = {}, 0
     for name in _names(*groups):
         values, shared = zip(*(_of_group(name, data, loads) for data in groups), strict=True)
-        contrasts = [values[1] - values[0]] if paired else values
-        effects = [random_effects(*pair) for pair in zip(contrasts, part_names, strict=False)]
+        if paired:
+            effects = [random_effects.random_effects(values[1] - values[0], part_names[0])]
+            difference, error, freedom = effects[0].mean, effects[0].error, effects[0].freedom
+        else:
+            effects = [random_effects.random_effects(*pair) for pair in zip(values, part_names, strict=True)]
+            difference, error, freedom = random_effects.welch(*effects)
         units = min(effect.units for effect in effects)
-        difference, error, freedom = _difference(effects)
-        rows[name] = _ratios(difference, shared, correlation, scatter=student(freedom) * error)
-        rows[name] |= {
-            "p_value": adjust_over_loads(p_value(difference, error, freedom)),
-            "spread": np.sqrt(np.mean([effect.error**2 * effect.units for effect in effects], axis=0)),
-            "shared": np.maximum(*_unshared_half_widths(shared, correlation)),
-        }
-    has_parts = any(1 < len(set(names)) < len(names) for names in part_names)
-    return _Compared(rows, loads, paired, units, "part" if has_parts else "map")
+        spread = np.sqrt(np.mean([effect.error**2 * effect.units for effect in effects], axis=0))
+        rows[name] = _row(shared, correlation, difference, (error, freedom, spread))
+    noun = "part" if any(1 < len(set(names)) < len(names) for names in part_names) else "map"
+    return _table(rows, loads, paired=paired, units=units, noun=noun)
 
 
-def _judged(comparisons: Mapping[Any, _Compared], relevant: float = RELEVANT) -> dict[Any, xr.Dataset]:
-    """Return the comparisons with p-values adjusted for all of them, and with outcomes."""
-    for name in {name for comparison in comparisons.values() for name in comparison.rows}:
-        family = [comparison.rows[name] for comparison in comparisons.values() if name in comparison.rows]
-        for row, p_values in zip(family, holm([row["p_value"] for row in family]), strict=True):
-            row["p_value"] = p_values
-    for comparison in comparisons.values():
-        for name, row in comparison.rows.items():
-            outcomes = [_outcome(comparison, name, load, relevant) for load in range(comparison.load.size)]
-            row["outcome"] = np.array(outcomes, object)
+def _row(
+    widths: Sequence[np.ndarray],
+    correlation: np.ndarray,
+    difference: np.ndarray,
+    by_maps: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
+) -> dict[str, np.ndarray]:
+    """Return what tells two results apart in a quantity (load), from the difference of their logarithms.
+
+    `widths` are the components of both, `by_maps` its standard uncertainty by the scatter of the maps of
+    groups, with its degrees of freedom, and their standard deviation; of two maps all is in the `widths`.
+    """
+    half_widths = _unshared_half_widths(widths, correlation)
+    if by_maps:
+        error, freedom, spread = by_maps
+        scatter = random_effects.student(freedom) * error
+    else:
+        scatter, freedom, spread = (np.full(difference.shape, number) for number in (0.0, np.inf, np.nan))
+        error = np.where(difference > 0, *half_widths) / random_effects.student(freedom)  # towards none
+    below, above = (np.hypot(scatter, side) for side in half_widths)
+    with np.errstate(invalid="ignore", over="ignore"):  # of closed gaps and unbounded ends, NaN below
+        ratios = np.exp([difference, difference - below, difference + above])
+    p_values = random_effects.p_value(difference, error, freedom)
+    by_source = _unshared_half_widths([sides[:, :, None] for sides in widths], correlation[..., None])
     return {
-        key: comparison.table((*_RATIOS, "p_value", "outcome")) for key, comparison in comparisons.items()
+        **dict(zip(_RATIOS, np.where(np.isfinite(ratios), ratios, np.nan), strict=True)),
+        "p_value": random_effects.adjust_over_loads(p_values),
+        "spread": spread,
+        "shared": np.maximum(*half_widths),
+        "largest_source": np.nan_to_num(np.maximum(*by_source), nan=0.0).argmax(axis=1),
     }
 
 
-def _outcome(comparison: _Compared, name: str, load: int, relevant: float) -> str:
-    """Return whether the groups differ in a quantity under a load, in words."""
-    numbers = {key: float(column[load]) for key, column in comparison.rows[name].items() if key != "outcome"}
+def _table(rows: Mapping[str, Mapping[str, np.ndarray]], loads: np.ndarray, **attrs: Any) -> xr.Dataset:
+    """Return a comparison (quantity, load) of two results from its rows, without a judgement.
+
+    Attributes are, of groups, the `units` (maps or parts, by their `noun`) of the smaller one, and whether
+    they are `paired`; of two maps, whether they are `of_place`, and of no other.
+    """
+    dims, shape = ("quantity", "load"), (len(rows), loads.size)
+    columns = {key: (dims, np.reshape([row[key] for row in rows.values()], shape)) for key in _COLUMNS}
+    labels = {"quantity": np.array([*rows], object), "mean_pressure": ("load", loads)}
+    return xr.Dataset(columns, labels, attrs)
+
+
+def _judged(comparisons: Mapping[Any, xr.Dataset], relevant: float = RELEVANT) -> dict[Any, xr.Dataset]:
+    """Return the comparisons with p-values adjusted for all of them, and with outcomes."""
+    for name in {name for data in comparisons.values() for name in data["quantity"].values}:
+        family = [data["p_value"] for data in comparisons.values() if name in data["quantity"]]
+        for of_pair, p_values in zip(
+            family, random_effects.holm([each.loc[name].values for each in family]), strict=True
+        ):
+            of_pair.loc[name] = p_values
+    judged = {}
+    for key, data in comparisons.items():
+        columns = {column: data[column].values for column in _COLUMNS}
+        outcomes = np.empty(data["ratio"].shape, object)
+        for index in np.ndindex(outcomes.shape):
+            numbers = {column: float(values[index]) for column, values in columns.items()}
+            outcomes[index] = _outcome(numbers, data.attrs, relevant)
+        judged[key] = data.assign(outcome=(("quantity", "load"), outcomes))[[*COMPARED]].drop_attrs()
+    return judged
+
+
+def _outcome(numbers: Mapping[str, float], of: Mapping[str, Any], relevant: float) -> str:
+    """Return whether two results differ in a quantity under a load, in words, from numbers of `_table`."""
     _, low, high = (numbers[key] for key in _RATIOS)
     if not np.isfinite([low, high, numbers["p_value"]]).all():
         return "inconclusive: no interval"
-    if numbers["p_value"] < SIGNIFICANCE and not low <= 1 <= high:
+    if numbers["p_value"] < random_effects.SIGNIFICANCE and not low <= 1 <= high:
         return DIFFER
     if (largest_ratio := max(1 - low, high - 1)) <= relevant:
         return f"do not differ by more than {percent(max(largest_ratio, _MIN_DIFFERENCE))}"
-    return f"inconclusive: {_what_decides(comparison, name, numbers, relevant)}"
+    return f"inconclusive: {_what_decides(numbers, of, relevant)}"
 
 
-def _what_decides(comparison: _Compared, name: str, numbers: Mapping[str, float], relevant: float) -> str:
+def _what_decides(numbers: Mapping[str, float], of: Mapping[str, Any], relevant: float) -> str:
     """Return what would show a difference that matters: more maps, or a smaller error that all maps share."""
     cause = SOURCES[int(numbers["largest_source"])]
-    if not comparison.maps:
+    if "of_place" in of:
         errors = percent(numbers["ratio_upper"] / numbers["ratio"] - 1)
-        way = ADVICE.get(cause, "measure a longer field") if comparison.of_place else _MORE_PLACES
+        way = ADVICE.get(cause, "measure a longer field") if of["of_place"] else _MORE_PLACES
         return f"errors that differ are up to {errors}, most by the {cause}; {way}"
     target = math.log1p(relevant)
-    missing_maps = max(maps_needed(numbers["spread"], target, pairs=comparison.paired) - comparison.maps, 1)
+    missing_maps = max(
+        random_effects.maps_needed(numbers["spread"], target, pairs=of["paired"]) - of["units"], 1
+    )
     count = f"more than {_MAX_MAPS}" if missing_maps > _MAX_MAPS else f"about {missing_maps}"
-    nouns, group = "s" if missing_maps > 1 else "", "" if comparison.paired else " per group"
-    more_maps = f"{count} more {comparison.noun}{nouns}{group} needed"
+    nouns, group = "s" if missing_maps > 1 else "", "" if of["paired"] else " per group"
+    more_maps = f"{count} more {of['noun']}{nouns}{group} needed"
     if numbers["shared"] < target:
         return more_maps
     advice = ADVICE.get(cause, "state what they share")
@@ -375,10 +389,9 @@ def _what_decides(comparison: _Compared, name: str, numbers: Mapping[str, float]
     return f"all maps share errors above {percent(relevant)}; {advice}; and {more_maps}"
 
 
-def _names(one_group: xr.Dataset, another: xr.Dataset) -> list[str]:
+def _names(one: xr.Dataset, another: xr.Dataset) -> list[str]:
     """Return the quantities of both that have ratios."""
-    shared = {*headline_names(another)} - {*CONSTRICTIONS}
-    return [name for name in headline_names(one_group) if name in shared]
+    return [name for name in headline_names(one) if name in another and name not in CONSTRICTIONS]
 
 
 def _of_group(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -422,26 +435,3 @@ def _unshared_half_widths(pair: Sequence[np.ndarray], correlation: np.ndarray) -
             shifts = shifts + np.maximum(a[..., 2 + opposite] - b[..., 2 + opposite], 0.0)
             widths.append(np.sqrt(squares.sum(axis=-1)) + shifts.sum(axis=-1))
     return widths
-
-
-def _difference(effects: Sequence[Effects]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the difference of two groups, or the mean change of pairs, its standard error and freedom."""
-    if len(effects) == 2:
-        return welch(*effects)
-    (change,) = effects
-    return change.mean, change.error, change.freedom
-
-
-def _ratios(
-    difference: np.ndarray, widths: Sequence[np.ndarray], correlation: np.ndarray, *, scatter: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Return ratio, both ends of its interval, and its largest source, from a difference (load).
-
-    `widths` are the components of both, `scatter` the half-width by the scatter of the maps (load).
-    """
-    below, above = (np.hypot(scatter, side) for side in _unshared_half_widths(widths, correlation))
-    with np.errstate(invalid="ignore", over="ignore"):  # of closed gaps and unbounded ends, NaN below
-        ratios = np.exp([difference, difference - below, difference + above])
-    row = dict(zip(_RATIOS, np.where(np.isfinite(ratios), ratios, np.nan), strict=True))
-    by_source = _unshared_half_widths([sides[:, :, None] for sides in widths], correlation[..., None])
-    return row | {"largest_source": np.nan_to_num(np.maximum(*by_source), nan=0.0).argmax(axis=1)}

@@ -9,11 +9,11 @@ import xarray as xr
 
 from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.measurement import json_attribute, json_attributes
+from roughcontact.uncertainty.differences import COMPARED
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.members import Members, members_of_group
 
 _ENDINGS = ("", *(f"{key}{suffix}" for key in ("", "_next", "_next_part") for suffix in ENDS[1:]))
-_COMPARED = (*(f"ratio{suffix}" for suffix in ENDS), "p_value", "outcome")
 
 
 class NamedGroup(NamedTuple):
@@ -98,9 +98,9 @@ def comparisons_table(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> pd.D
     """Return one row for each comparison (by the names of both, as of `compare_all`), quantity and load."""
     rows = [
         {"first": reference, "second": partner, "quantity": quantity, "mean_pressure_Pa": load}
-        | {key: comparison[key].values[row, column] for key in _COMPARED}
+        | {key: comparison[key].values[row, column] for key in COMPARED}
         for (reference, partner), comparison in comparisons.items()
         for row, quantity in enumerate(comparison["quantity"].values)
         for column, load in enumerate(comparison["mean_pressure"].values)
     ]
-    return pd.DataFrame(rows, columns=["first", "second", "quantity", "mean_pressure_Pa", *_COMPARED])
+    return pd.DataFrame(rows, columns=["first", "second", "quantity", "mean_pressure_Pa", *COMPARED])
