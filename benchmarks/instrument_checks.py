@@ -23,8 +23,9 @@ import xarray as xr
 import roughcontact as rc
 from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.statistics import instrument_checks as checks
-from roughcontact.surface.synthetic import ground_surface, self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface
 from validation.masters import KINDS, master_surface
+from validation.surfaces import ground_surface
 
 SIDE, PIXEL, GREEN = 216, 0.3e-6, 550e-9
 LOADS = (0.02, 0.1)  # of E* g

@@ -1,6 +1,6 @@
 """Make the sample maps of this folder: `python data_samples/make_samples.py [folder]`.
 
-The heights come from the formulas in `roughcontact.surface.synthetic`, with fixed seeds, dates and
+The heights come from the formulas here and in `roughcontact.surface.synthetic`, with fixed seeds, dates and
 quantisation, so that every run writes the same files.
 """
 
@@ -13,12 +13,8 @@ import numpy as np
 import xarray as xr
 from scipy import ndimage
 
-from roughcontact.surface.synthetic import (
-    ground_surface,
-    rough_reference_surface,
-    self_affine_surface,
-    turned_surface,
-)
+from roughcontact.arguments.maps import height_map, pitches
+from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
 
 _DATE = datetime(2024, 1, 1, tzinfo=UTC)
 _QUANTUM = 1e-10  # m; every instrument has one, and it hides the rounding of the Fourier transform
@@ -51,6 +47,83 @@ def sandblasted():
     return np.where(lost, np.nan, quantised(values))
 
 
+def turned_surface(
+    shape,
+    spacing,
+    *,
+    feed,
+    nose_radius,
+    groove_scatter=0.0,
+    arc_radius=np.inf,
+    rms_roughness=0.0,
+    hurst=0.8,
+    seed=0,
+):
+    """Return a face-turned surface: parabolic grooves of the tool nose, one per feed, lay along y.
+
+    h = s^2 / (2 R) + depth of the groove + fine roughness, s = distance from the middle of the groove; the
+    ideal profile is that of Shaw (2005), Metal Cutting Principles.
+
+    Parameters
+    ----------
+    shape : (ny, nx)
+    spacing : float or (dy, dx), m
+    feed : float, m
+        distance between grooves.
+    nose_radius : float, m
+        radius R of the tool nose; the ridges stand feed^2 / (8 R) above the grooves.
+    groove_scatter : float, m
+        standard deviation of the depth from groove to groove.
+    arc_radius : float, m
+        distance of the map from the axis of turning; infinite for straight grooves.
+    rms_roughness : float, m
+        rms height of the self-affine fine roughness on top, waves from two pixels to one feed.
+    hurst : float, 0 to 1
+        its Hurst exponent.
+    seed : int
+        of `numpy.random.default_rng`.
+
+    Returns
+    -------
+    DataArray (y, x), m
+
+    Examples
+    --------
+    >>> height = turned_surface((1, 800), 1e-6, feed=100e-6, nose_radius=400e-6)
+    >>> f"{np.ptp(height.values):.1e} m"  # feed^2 / (8 R)
+    '3.1e-06 m'
+    """
+    dy, dx = pitches(spacing)
+    ny, nx = shape
+    y = (np.arange(ny)[:, None] + 0.5 - ny / 2) * dy
+    x = (np.arange(nx)[None, :] + 0.5) * dx
+    # distance from the axis of turning, less that of the left edge; y^2 / (hypot + R) avoids cancellation
+    across = x + (0 if np.isinf(arc_radius) else y**2 / (np.hypot(x + arc_radius, y) + x + arc_radius))
+    across = np.broadcast_to(across, (ny, nx))
+    groove = np.floor(across / feed).astype(int)
+    from_middle = across - (groove + 0.5) * feed
+    generator = np.random.default_rng(seed)
+    # each pass of the tool is a little deeper or less deep
+    depth = groove_scatter * generator.standard_normal(groove.max() + 1)
+    # neighbouring passes cut into each other: the lower of the two parabolas is what stays
+    heights = from_middle**2 / (2 * nose_radius) + depth[groove]
+    for side in (-1, 1):
+        neighbour = np.clip(groove + side, 0, depth.size - 1)
+        cut = (from_middle - side * feed) ** 2 / (2 * nose_radius) + depth[neighbour]
+        heights = np.where(neighbour == groove, heights, np.minimum(heights, cut))
+    if rms_roughness:
+        heights = heights + self_affine_surface(
+            shape,
+            (dy, dx),
+            hurst=hurst,
+            shortest=2 * max(dx, dy if ny > 1 else dx),
+            longest=feed,
+            rms_height=rms_roughness,
+            seed=int(generator.integers(2**32)),
+        )
+    return height_map(heights, (dy, dx), unit="m", instrument={"generator": "turned", "seed": int(seed)})
+
+
 def turned():
     """Return heights (240, 320) of a face-turned surface, feed 80 µm, lay along y. Pitch 2 µm."""
     surface = turned_surface(
@@ -68,19 +141,16 @@ def turned():
 
 def ground():
     """Return heights (160, 256) of a ground surface, waves eight times longer along y. Pitch 2 and 1 µm."""
-    surface = ground_surface(
-        (320, 512),
-        (2e-6, 1e-6),
-        hurst=0.75,
-        shortest=5e-6,
-        longest=60e-6,
-        rms_height=0.4e-6,
-        stretch=8.0,
-        skewness_power=1.4,
-        seed=4,
-    )
+    band = {"shortest": 5e-6, "longest": 60e-6}
+    heights = self_affine_surface(
+        (320, 512), (2e-6, 1e-6), hurst=0.75, **band, rms_height=0.4e-6, stretch=8.0, seed=4
+    ).values
+    # a power of the depth: flattened summits, deep scratches
+    depth = (heights.max() - heights) ** 1.4
+    heights = depth.mean() - depth
+    heights *= 0.4e-6 / heights.std()
     # a part of a larger periodic surface: its edges do not meet
-    return quantised(surface.values[60:220, 100:356])
+    return quantised(heights[60:220, 100:356])
 
 
 def stylus_profile():

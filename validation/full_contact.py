@@ -10,6 +10,7 @@ from roughcontact.surface.roughness import parameters
 from validation import closed_forms
 from validation.lines import Section
 from validation.problems import solve
+from validation.surfaces import ground_surface
 
 ROUNDING = 1e-12
 
@@ -21,7 +22,7 @@ def add_lines(section: Section, *, finest_grid: int) -> None:
     isotropic = synthetic.self_affine_surface(
         (points + 1, points - 1), 1.0, hurst=0.8, **band, rms_gradient=0.1, seed=1
     )
-    ground = synthetic.ground_surface(
+    ground = ground_surface(
         (points, 2 * points), (3.0, 1.0), hurst=0.7, **band, rms_height=0.5, skewness_power=1.5, seed=2
     )
     _lines(section, "isotropic, odd size", isotropic)

@@ -19,13 +19,13 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.io.read import read_height_map
 from roughcontact.report import map_plots
 from roughcontact.statistics.contact_geometry import relative_contact_area
-from roughcontact.surface import synthetic
 from roughcontact.surface.levelling.level import level
 from roughcontact.surface.roughness import parameters
 from roughcontact.surface.window.periodic_window import periodic_window
 from validation import closed_forms, drawing
 from validation.lines import Figure, Section
 from validation.problems import solve
+from validation.surfaces import sum_wave_surface
 
 ROUNDING = 1e-12
 _MODULUS = 1e9  # E* of the measured map, Pa
@@ -159,7 +159,7 @@ def _figure_1(section: Section, finest_grid: int) -> None:
 
 def _wave(points: int) -> xr.DataArray:
     """Return one period of the paper's wave, in units of λ."""
-    return synthetic.sum_wave_surface(
+    return sum_wave_surface(
         (points, points), 1 / points, amplitudes=(_AMPLITUDE, _AMPLITUDE), wavelengths=(1.0, 1.0)
     )
 

@@ -12,6 +12,7 @@ from roughcontact.arguments.maps import height_map
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.surface import synthetic
 from validation import closed_forms
+from validation.surfaces import sum_wave_surface
 
 MODULUS = 3e9
 
@@ -68,7 +69,7 @@ def test_full_contact_of_a_rough_map_is_exact():
 def test_seed_figures_full_contact_of_the_wave():
     """Seed paper, eq. 4 and figures 2 and 3: mean pressure 2 P and 4 P, P = pi E* D / wavelength."""
     n, wavelength, amplitude = 64, 1e-3, 1e-6
-    height = synthetic.sum_wave_surface(
+    height = sum_wave_surface(
         (n, n), wavelength / n, amplitudes=(amplitude, amplitude), wavelengths=(wavelength, wavelength)
     )
     unit = np.pi * MODULUS * amplitude / wavelength

@@ -10,6 +10,7 @@ from roughcontact.arguments.maps import height_map, refined
 from roughcontact.errors import HeightMapError
 from roughcontact.surface import synthetic
 from validation import closed_forms
+from validation.surfaces import product_wave_surface
 
 
 @pytest.mark.parametrize("shape", [(8, 6), (7, 6), (9, 5), (1, 8), (7, 1)])
@@ -22,9 +23,7 @@ def test_a_refined_map_goes_through_the_points(shape):
 
 
 def test_a_refined_wave_is_that_wave():
-    coarse, fine = (
-        synthetic.product_wave_surface((n, 2 * n), 1 / n, amplitude=1.0, wavelength=1.0) for n in (8, 32)
-    )
+    coarse, fine = (product_wave_surface((n, 2 * n), 1 / n, amplitude=1.0, wavelength=1.0) for n in (8, 32))
     result = refined(coarse, 4)
     np.testing.assert_allclose(result.values, fine.values, atol=1e-14)
     assert float(result["x"][1] - result["x"][0]) == pytest.approx(1 / 32)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from data_samples.make_samples import turned_surface
 from roughcontact import errors
 from roughcontact.arguments.maps import height_map
 from roughcontact.contact.loads import plan_loads
@@ -17,6 +18,7 @@ from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.surface import synthetic
 from roughcontact.surface.levelling.level import level
 from roughcontact.surface.window.periodic_window import periodic_window
+from validation.surfaces import ground_surface, product_wave_surface
 
 BAND = {"hurst": 0.8, "shortest": 4e-6, "longest": 16e-6, "rms_gradient": 0.1}
 SURFACE = synthetic.self_affine_surface((32, 32), 1e-6, **BAND, seed=1)
@@ -264,11 +266,11 @@ PERIODIC = {
     "rough": SURFACE,
     "profile": PROFILE,
     "reference": synthetic.rough_reference_surface(64),
-    "lay": synthetic.ground_surface((48, 64), 1e-6, hurst=0.8, shortest=4e-6, longest=6e-5, rms_height=1e-7),
-    "grooves": synthetic.turned_surface((4, 160), 1e-6, feed=4e-5, nose_radius=4e-4, groove_scatter=1e-7),
-    "one groove": synthetic.turned_surface((1, 64), 1e-6, feed=64e-6, nose_radius=4e-4),
-    "product": synthetic.product_wave_surface((32, 48), 1e-6, amplitude=1e-7, wavelength=16e-6),
-    "coarse": synthetic.product_wave_surface((4, 4), 1e-6, amplitude=1e-7, wavelength=4e-6),
+    "lay": ground_surface((48, 64), 1e-6, hurst=0.8, shortest=4e-6, longest=6e-5, rms_height=1e-7),
+    "grooves": turned_surface((4, 160), 1e-6, feed=4e-5, nose_radius=4e-4, groove_scatter=1e-7),
+    "one groove": turned_surface((1, 64), 1e-6, feed=64e-6, nose_radius=4e-4),
+    "product": product_wave_surface((32, 48), 1e-6, amplitude=1e-7, wavelength=16e-6),
+    "coarse": product_wave_surface((4, 4), 1e-6, amplitude=1e-7, wavelength=4e-6),
     "three points": wave(3),
     "noise": on_pixels(1e-8 * np.random.default_rng(0).standard_normal((40, 60)), 1e-6),
     "noise of a line": on_pixels(1e-8 * np.random.default_rng(0).standard_normal((1, 60)), 1e-6),

@@ -14,7 +14,7 @@ from roughcontact import height_map, level, periodic_window, read_height_map
 from roughcontact.arguments.si import labelled_in_si
 from roughcontact.statistics.contact_statistics import surface_statistics
 from roughcontact.surface.roughness.heights import HEIGHT_PARAMETERS, height_parameters
-from roughcontact.surface.synthetic import ground_surface
+from validation.surfaces import ground_surface
 
 TABLE = Path(__file__).with_name("height_parameters.csv")
 

@@ -5,10 +5,12 @@ import json
 import numpy as np
 import pytest
 
+from data_samples.make_samples import turned_surface
 from roughcontact import SettingsError, height_map, level
 from roughcontact.surface import synthetic
 from roughcontact.surface.levelling import outliers
 from roughcontact.surface.levelling.outliers import find_outliers
+from validation.surfaces import product_wave_surface
 
 THRESHOLD = 6.0  # the default of `level`
 
@@ -54,12 +56,10 @@ def structured():
     noise = 0.01 * np.random.default_rng(0).standard_normal((96, 96))
     turned = {"feed": 32e-6, "nose_radius": 4e-4}
     return {
-        "turned": synthetic.turned_surface(
-            (96, 96), 1e-6, arc_radius=5e-3, rms_roughness=2e-8, **turned
-        ).values,
-        "turned, no roughness": synthetic.turned_surface((96, 96), 1e-6, **turned).values,
-        "turned profile": synthetic.turned_surface((1, 2000), 1e-6, **turned).values,
-        "wave": synthetic.product_wave_surface((96, 96), 1.0, amplitude=1.0, wavelength=48.0).values,
+        "turned": turned_surface((96, 96), 1e-6, arc_radius=5e-3, rms_roughness=2e-8, **turned).values,
+        "turned, no roughness": turned_surface((96, 96), 1e-6, **turned).values,
+        "turned profile": turned_surface((1, 2000), 1e-6, **turned).values,
+        "wave": product_wave_surface((96, 96), 1.0, amplitude=1.0, wavelength=48.0).values,
         "cone": -np.hypot(x, y),
         "ball on a flat": np.maximum(0, 10 - x**2 - y**2),
         "step": np.where(x > 3, 1.0, 0.0) + noise,

@@ -12,8 +12,9 @@ from roughcontact.results.collect import collect_statistics, summary_table
 from roughcontact.results.storage import write_dataset
 from roughcontact.statistics.sealing.connectivity import connected_regions, region_sizes
 from roughcontact.surface.roughness.heights import height_parameters
-from roughcontact.surface.synthetic import product_wave_surface, rough_reference_surface, westergaard_surface
+from roughcontact.surface.synthetic import rough_reference_surface, westergaard_surface
 from validation import closed_forms
+from validation.surfaces import product_wave_surface
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -11,6 +11,7 @@ from roughcontact.surface import synthetic
 from roughcontact.surface.roughness import parameters
 from roughcontact.surface.roughness.summits import summit_statistics
 from roughcontact.surface.window import periodisation
+from validation.surfaces import product_wave_surface
 
 
 def waves(shape, spacing, terms):
@@ -157,7 +158,7 @@ def test_summits_agree_with_the_theory_of_random_surfaces():
 
 
 def test_summits_of_a_wave_in_closed_form():
-    height = synthetic.product_wave_surface((40, 40), 0.1, amplitude=0.3, wavelength=2.0)
+    height = product_wave_surface((40, 40), 0.1, amplitude=0.3, wavelength=2.0)
     summits = summit_statistics(height)
     assert summits["density"] == pytest.approx(8 / 16)  # two per wavelength squared, 2 x 2 waves
     assert summits["mean_radius"] == pytest.approx(1 / (0.3 * np.pi**2), rel=1e-12)

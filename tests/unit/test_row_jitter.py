@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 from scipy import stats
 
+from data_samples.make_samples import turned_surface
 from roughcontact.arguments.maps import height_map
 from roughcontact.contact.solve import solve_contact
 from roughcontact.io.instrument_kinds import PROBE
@@ -15,7 +16,7 @@ from roughcontact.statistics.map_checks import scan_lines
 from roughcontact.statistics.outcome import PASSED, REVIEW
 from roughcontact.surface.levelling.level import level
 from roughcontact.surface.levelling.row_jitter import find_row_jitter
-from roughcontact.surface.synthetic import self_affine_surface, turned_surface
+from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.budget_inputs import budget_inputs

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from known_surfaces import self_affine
 
+from data_samples.make_samples import turned_surface
 from roughcontact import SettingsError, height_map, level
 from roughcontact.surface.levelling.scan_lines import find_scars, line_offsets
-from roughcontact.surface.synthetic import turned_surface
 
 
 def rough(seed=0, shape=(96, 128)):

@@ -19,8 +19,9 @@ from roughcontact.statistics.contact_statistics import (
     with_uncertainty,
 )
 from roughcontact.statistics.sealing.connectivity import region_sizes
-from roughcontact.surface.synthetic import product_wave_surface, rough_reference_surface
+from roughcontact.surface.synthetic import rough_reference_surface
 from validation import closed_forms
+from validation.surfaces import product_wave_surface
 
 C = (np.pi - 1 + np.log(2)) / 24
 D, WAVELENGTH, MODULUS = 1.5e-6, 2e-3, 3e9

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from data_samples.make_samples import turned_surface
 from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.errors import SettingsError
 from roughcontact.surface import synthetic
 from roughcontact.surface.roughness.parameters import rms_gradient, rms_height
+from validation.surfaces import ground_surface, product_wave_surface, sum_wave_surface
 
 
 @pytest.mark.parametrize("points", [33, 64, 100, 256])
@@ -79,7 +81,7 @@ def test_stretched_surface_is_smoother_along_y():
 
 def test_turned_surface_has_the_ideal_peak_to_valley():
     feed, radius, pitch = 80e-6, 0.8e-3, 0.1e-6
-    height = synthetic.turned_surface((2, 3200), pitch, feed=feed, nose_radius=radius)
+    height = turned_surface((2, 3200), pitch, feed=feed, nose_radius=radius)
     assert np.ptp(height.values) == pytest.approx(feed**2 / (8 * radius), rel=5e-3)
     np.testing.assert_array_equal(height.values[0], height.values[1])
     np.testing.assert_allclose(height.values[0, :800], height.values[0, 800:1600], atol=1e-15)
@@ -87,7 +89,7 @@ def test_turned_surface_has_the_ideal_peak_to_valley():
 
 def test_turned_surface_follows_the_arc_of_the_tool():
     arc, pitch, feed, radius = 2e-3, 1e-6, 60e-6, 1e-3
-    height = synthetic.turned_surface((401, 300), pitch, feed=feed, nose_radius=radius, arc_radius=arc)
+    height = turned_surface((401, 300), pitch, feed=feed, nose_radius=radius, arc_radius=arc)
     y, x = height["y"].values[:, None] - 401 / 2 * pitch, height["x"].values[None, :]
     from_axis = np.hypot(x + arc, y) - arc
     expected = (np.mod(from_axis, feed) - feed / 2) ** 2 / (2 * radius)
@@ -95,7 +97,7 @@ def test_turned_surface_follows_the_arc_of_the_tool():
 
 
 def test_ground_surface_has_deep_valleys():
-    height = synthetic.ground_surface(
+    height = ground_surface(
         (128, 256), 1e-6, hurst=0.7, shortest=5e-6, longest=50e-6, rms_height=1e-6, skewness_power=1.5, seed=1
     )
     z = height.values - height.values.mean()
@@ -108,19 +110,19 @@ def test_waves_follow_their_formulas():
     y, x = np.arange(12)[:, None] * 0.25, np.arange(20)[None, :] * 0.1
     wave = synthetic.westergaard_surface(shape, step, amplitude=0.3, wavelength=2.0)
     np.testing.assert_allclose(wave.values, 0.3 * np.cos(np.pi * x) + 0 * y, atol=1e-15)
-    wave = synthetic.product_wave_surface(shape, step, amplitude=0.3, wavelength=1.0)
+    wave = product_wave_surface(shape, step, amplitude=0.3, wavelength=1.0)
     np.testing.assert_allclose(wave.values, 0.3 * np.cos(2 * np.pi * x) * np.cos(2 * np.pi * y), atol=1e-15)
-    wave = synthetic.sum_wave_surface(shape, step, amplitudes=(0.1, 0.2), wavelengths=(3.0, 2.0))
+    wave = sum_wave_surface(shape, step, amplitudes=(0.1, 0.2), wavelengths=(3.0, 2.0))
     expected = 0.1 * np.cos(2 * np.pi * y / 3) + 0.2 * np.cos(np.pi * x)
     np.testing.assert_allclose(wave.values, expected, atol=1e-15)
 
 
 def test_sum_of_equal_waves_is_the_product_wave_turned_by_45_degrees():
     n = 64
-    total = synthetic.sum_wave_surface((n, n), 1 / n, amplitudes=(1, 1), wavelengths=(1, 1)).values
+    total = sum_wave_surface((n, n), 1 / n, amplitudes=(1, 1), wavelengths=(1, 1)).values
     # cos a + cos b = 2 cos((a + b) / 2) cos((a - b) / 2): the points (i, j) of the sum lie at
     # ((i + j) / 2, (i - j) / 2) of a product wave of the same period, sqrt(2) shorter in the turned frame
-    product = synthetic.product_wave_surface((2 * n, 2 * n), 0.5 / n, amplitude=2, wavelength=1).values
+    product = product_wave_surface((2 * n, 2 * n), 0.5 / n, amplitude=2, wavelength=1).values
     i, j = np.indices((n, n))
     np.testing.assert_allclose(total, product[(i + j) % (2 * n), (i - j) % (2 * n)], atol=1e-13)
 
