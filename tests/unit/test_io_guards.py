@@ -60,7 +60,7 @@ NO_X3P = [
     (archive({"main.xml": BLANKS + b"<p:ISO5436_2/>"}), "begins with .* bytes of blanks: it is no XML"),
     (WIDE, "3 x 400000000 points, more than the 134217728 that are read"),  # before any is read
     (DEEP, "100000000 maps of 3 x 4 points, more than the 134217728 that are read"),
-    (MANY, "more than the 10000 channels that are listed"),
+    (MANY, "more than the 10000 that are read"),
     (WHOLE[: int(0.6 * len(WHOLE))], "without its end"),
 ]
 

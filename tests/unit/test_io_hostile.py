@@ -56,7 +56,7 @@ def test_positions_and_uneven_maps_are_counted_over_all_variables(tmp_path, monk
     uneven.to_netcdf(tmp_path / "uneven.nc")
     monkeypatch.setattr(netcdf, "MAX_POINTS", 1000)  # five maps of 256 points, with 32 positions each
     holds(read_height_map(tmp_path / "even.nc", channel="z4"), HEIGHTS)
-    refuses("maps with more than the 1000 positions that are read", tmp_path / "uneven.nc")
+    refuses("positions, more than the 1000 that are read", tmp_path / "uneven.nc")
 
 
 def series(count):
@@ -93,7 +93,7 @@ def test_more_than_ten_thousand_channels_are_refused_before_they_are_made(refuse
     monkeypatch.setattr(
         channels.Channel, "__post_init__", lambda self: channels_made.append(1) or check(self)
     )
-    refused(make_file(10_001), "more than the 10000 channels that are listed; save some in a file of")
+    refused(make_file(10_001), "more than the 10000 that are read; save some in a file of")
     assert len(channels_made) < 30_100
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from roughcontact.arguments.checking import marker_values
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, choose_channel
+from roughcontact.io.positions import scattered
 from roughcontact.io.request import Request
 from roughcontact.io.resampling import resample_evenly
 from roughcontact.io.scale import decide_scale
@@ -89,11 +90,9 @@ def _drop_markers(channel: Channel, request: Request) -> tuple[Channel, list[str
     values = np.array(channel.read() if points is None else points.z, dtype=float)
     is_marker = np.any([np.isclose(values, marker, rtol=1e-6, atol=0.0) for marker in markers], axis=0)
     note = f"{is_marker.sum()} points are {request.missing_value} and taken as missing (missing_value)"
-    if points is not None:
-        y = None if points.y is None else points.y[~is_marker]
-        points = points._replace(x=points.x[~is_marker], y=y, z=points.z[~is_marker])
-        return replace(channel, points=points), [note]
     values[is_marker] = np.nan
+    if points is not None:
+        return scattered(channel, points.x, points.y, values, points.uneven), [note]
     return replace(channel, read=lambda: values), [note]
 
 
@@ -113,12 +112,10 @@ def _checksum_notes(file: MeasuredFile, request: Request) -> list[str]:
     if not file.stale:
         return []
     if request.checksum is None:
-        raise InputFileError(
-            f"{file.stale}: not readable as {file.format.partition(' (')[0]}, because "
-            "it was changed or damaged after it was written; export it again, or, where you know the change, "
-            "give checksum = ignore (table of surfaces or argument)",
-            keys=["checksum"],
-        )
+        cause = "because it was changed or damaged after it was written"
+        wrong = f"{file.stale}: not readable as {file.format.partition(' (')[0]}, {cause}"
+        way_out = "where you know the change, give checksum = ignore (table of surfaces or argument)"
+        raise InputFileError(f"{wrong}; export it again, or, {way_out}", keys=["checksum"])
     return [f"{file.stale}: read nevertheless, as asked (checksum = ignore)"]
 
 
@@ -141,10 +138,8 @@ def _checked(heights: np.ndarray) -> np.ndarray:
         raise HeightMapError(f"all {heights.size} points of the map are missing; check the channel")
     largest = np.nanmax(np.abs(heights))
     if largest > _MAX_HEIGHT:
-        raise HeightMapError(
-            f"heights up to {largest:.3g} m are no measurement: the height unit is wrong, the "
-            "number marks missing points (give it as missing_value), or the file is damaged (for instance a "
-            "binary file whose line ends were converted)",
-            keys=["missing_value"],
-        )
+        wrong = f"heights up to {largest:.3g} m are no measurement: the height unit is wrong"
+        marker = "the number marks missing points (give it as missing_value)"
+        damage = "the file is damaged (for instance a binary file whose line ends were converted)"
+        raise HeightMapError(f"{wrong}, {marker}, or {damage}", keys=["missing_value"])
     return heights

@@ -71,11 +71,9 @@ def _reason(error: Exception) -> str:
         return f"cannot be read, as the package {package} is not complete ({brief(error)}); install it again"
     if isinstance(error, OSError) and error.strerror:
         return f"cannot be read ({error.strerror})"
-    wrong = "" if brief(error) == type(error).__name__ else f": {brief(error)}"
-    return (
-        f"cannot be read ({type(error).__name__}{wrong}): it is damaged, or its reader does not foresee it; "
-        "export it in another format, and report this"
-    )
+    message = "" if brief(error) == type(error).__name__ else f": {brief(error)}"
+    wrong = f"({type(error).__name__}{message}): it is damaged, or its reader does not foresee it"
+    return f"cannot be read {wrong}; export it in another format, and report this"
 
 
 @contextmanager
@@ -108,10 +106,7 @@ def check_file(path: Path) -> None:
         raise InputFileError("is no regular file")
     if status.st_size == 0:
         raise InputFileError("the file is empty")
-    if status.st_size > MAX_FILE_BYTES:
-        raise InputFileError(
-            f"{status.st_size} bytes, more than the {MAX_FILE_BYTES} that are read; crop the map"
-        )
+    refuse_more(f"{status.st_size} bytes", status.st_size, MAX_FILE_BYTES)
     _check_archive(path)
 
 
@@ -142,31 +137,31 @@ def unchanged(path: Path) -> Iterator[None]:
             raise InputFileError("changed while it was read; wait until it is complete, and read it again")
 
 
+def refuse_more(description: str, count: float, limit: int, way_out: str = "crop the map") -> None:
+    """Refuse to read more than a limit of something that a file has so many of."""
+    if count > limit:
+        raise InputFileError(f"{description}, more than the {limit} that are read; {way_out}")
+
+
 def check_points(shape: tuple[int, int], *, maps: int = 1) -> None:
     """Refuse maps (ny, nx) of more than 2²⁷ points, or than this computer can hold, before they are read."""
     (ny, nx), total = shape, maps * shape[0] * shape[1]
     points = f"{maps} maps of {ny} x {nx} points" if maps > 1 else f"{ny} x {nx} points"
-    if total > MAX_POINTS:
-        raise InputFileError(f"{points}, more than the {MAX_POINTS} that are read; crop the map")
+    refuse_more(points, total, MAX_POINTS)
     check_memory(total * BYTES_PER_POINT, points)
 
 
 def check_count(channels: int) -> None:
     """Refuse a file of more than 10 000 maps, profiles or tables."""
-    if channels > MAX_CHANNELS:
-        raise InputFileError(
-            f"more than the {MAX_CHANNELS} channels that are listed; save some in a file of their own"
-        )
+    refuse_more(f"{channels} channels", channels, MAX_CHANNELS, "save some in a file of their own")
 
 
 def check_memory(size: float, data_name: str) -> None:
     """Refuse to read data that need more memory (bytes) than this computer has."""
     total = memory_bytes()
     if total is not None and size > total:
-        raise InputFileError(
-            f"{data_name} need {size / 2**30:.1f} GiB of memory to be read, this computer has "
-            f"{total / 2**30:.1f} GiB; crop the map, or read it on a larger computer"
-        )
+        sizes = f"{size / 2**30:.1f} GiB of memory to be read, this computer has {total / 2**30:.1f} GiB"
+        raise InputFileError(f"{data_name} need {sizes}; crop the map, or read it on a larger computer")
 
 
 def memory_bytes() -> float | None:
@@ -182,10 +177,8 @@ def memory_bytes() -> float | None:
 def refuse_cut_off(size: int, required_size: int) -> None:
     """Refuse a file with fewer bytes than it needs."""
     if size < required_size:
-        raise InputFileError(
-            f"{size} bytes where its header needs {required_size}: it was cut off, or lost bytes on "
-            "the way; copy or export it again"
-        )
+        wrong = f"{size} bytes where its header needs {required_size}"
+        raise InputFileError(f"{wrong}: it was cut off, or lost bytes on the way; copy or export it again")
 
 
 def compare_size(path: Path, required_size: int) -> tuple[str, list[str]]:
@@ -200,13 +193,11 @@ def compare_size(path: Path, required_size: int) -> tuple[str, list[str]]:
     with path.open("rb") as stream:
         stream.seek(required_size)
         excess = stream.read(_EXAMINED)
-    if excess.count(excess[:1]) == size - required_size:
-        note = (
-            f"the file has {size} bytes where its header needs {required_size}; the last "
-            f"{size - required_size} of them are all {excess[0]} and are taken for padding behind the heights"
-        )
-        return "", [note]
-    return f"{size} bytes where its header needs {required_size}", []
+    sizes = f"{size} bytes where its header needs {required_size}"
+    if excess.count(excess[:1]) != size - required_size:
+        return sizes, []
+    last = f"the last {size - required_size} of them are all {excess[0]}"
+    return "", [f"the file has {sizes}; {last} and are taken for padding behind the heights"]
 
 
 def check_line_ends(path: Path) -> None:
@@ -219,10 +210,8 @@ def check_line_ends(path: Path) -> None:
     feeds = data.count(b"\n")
     # one byte in 256 of binary data is a line feed: no coincidence
     if feeds > 50 and feeds == data.count(b"\r\n"):
-        raise InputFileError(
-            "every line feed in this binary file follows a carriage return: it was transferred as "
-            "text and is damaged; copy it again in binary mode"
-        )
+        wrong = "every line feed in this binary file follows a carriage return"
+        raise InputFileError(f"{wrong}: it was transferred as text and is damaged; copy it again as binary")
 
 
 def _check_archive(path: Path) -> None:
@@ -240,9 +229,7 @@ def _check_archive(path: Path) -> None:
         with zipfile.ZipFile(path) as archive:
             entries = archive.infolist()
             total = sum(entry.file_size for entry in entries)
-            if total > MAX_UNPACKED_BYTES:
-                limit = f"the {MAX_UNPACKED_BYTES} that are allowed"
-                raise InputFileError(f"the archive would unpack to {total} bytes, more than {limit}")
+            refuse_more(f"the archive would unpack to {total} bytes", total, MAX_UNPACKED_BYTES)
             for entry in entries:
                 if entry.filename.lower().endswith(".xml"):
                     _check_xml(archive, entry)
@@ -254,22 +241,19 @@ def _check_archive(path: Path) -> None:
 
 def _check_xml(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
     """Refuse XML that is larger than 256 MiB or declares a document type or entities."""
+    name = f"{entry.filename} in the archive"
     large = entry.file_size > _PROLOG * 16 and entry.file_size > _PADDED * entry.compress_size
     if entry.file_size > MAX_XML_BYTES or large:
-        raise InputFileError(
-            f"{entry.filename} in the archive has {entry.file_size} bytes of XML, packed in "
-            f"{entry.compress_size}: no description of a map is so long"
-        )
+        sizes = f"{entry.file_size} bytes of XML, packed in {entry.compress_size}"
+        raise InputFileError(f"{name} has {sizes}: no description of a map is so long")
     tail = b""
     with archive.open(entry) as stream:
         while block := stream.read(_PROLOG):
             text = tail + block.replace(b"\0", b"").upper()  # makes UTF-16 searchable
             if declaration := re.search(rb"<!(DOCTYPE|ENTITY)", text):
-                raise InputFileError(
-                    f"{entry.filename} in the archive declares {declaration[1].decode()}, which is "
-                    "refused because it can expand without limit or read other files; export the map again"
-                )
+                wrong = f"{name} declares {declaration[1].decode()}, which is refused"
+                danger = "it can expand without limit or read other files"
+                raise InputFileError(f"{wrong} because {danger}; export the map again")
             if not tail and len(block) == _PROLOG and not text.strip():
-                wrong = f"{entry.filename} in the archive begins with {_PROLOG} bytes of blanks"
-                raise InputFileError(f"{wrong}: it is no XML")
+                raise InputFileError(f"{name} begins with {_PROLOG} bytes of blanks: it is no XML")
             tail = text[-16:]

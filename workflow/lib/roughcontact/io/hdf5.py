@@ -92,9 +92,9 @@ def _arrays(file: "h5py.File") -> Iterator[tuple[str, tuple[int, ...]]]:
     while groups:
         group, depth = groups.pop()
         for name in group:
-            link = group.get(name, getlink=True)
+            link, full_name = group.get(name, getlink=True), f"{group.name.rstrip('/')}/{name}"
             if isinstance(link, h5py.ExternalLink):
-                raise _outside(f"{group.name.rstrip('/')}/{name} is a link into another file")
+                raise _outside(f"{full_name} is a link into another file")
             try:
                 entry = group[name]
             except (KeyError, OSError, RuntimeError):
@@ -103,10 +103,8 @@ def _arrays(file: "h5py.File") -> Iterator[tuple[str, tuple[int, ...]]]:
                 raise
             address = h5py.h5o.get_info(entry.id).addr
             if isinstance(entry, h5py.Group) and (address in addresses or depth == _MAX_DEPTH):
-                raise InputFileError(
-                    f"{group.name.rstrip('/')}/{name} is a group that occurs twice or lies more than "
-                    f"{_MAX_DEPTH} groups deep in this HDF5 file, which is refused: the file may have no end"
-                )
+                wrong = f"is a group that occurs twice or lies more than {_MAX_DEPTH} groups deep"
+                raise InputFileError(f"{full_name} {wrong}, which is refused: the file may have no end")
             if address in addresses:
                 continue
             addresses.add(address)
@@ -128,10 +126,9 @@ def _check_array(array: "h5py.Dataset") -> None:
     if array.is_virtual:
         raise _outside(f"{array.name} is put together from other files")
     if array.shape == () and h5py.h5ds.is_scale(array.id):
-        raise InputFileError(
-            f"{array.name} of this HDF5 file is the scale of an axis but a single number, so that "
-            "nothing says where points lie; save the heights as .npy or netCDF"
-        )
+        wrong = f"{array.name} of this HDF5 file is the scale of an axis but a single number"
+        way_out = "save the heights as .npy or netCDF"
+        raise InputFileError(f"{wrong}, so that nothing says where points lie; {way_out}")
 
 
 def _outside(description: str) -> InputFileError:

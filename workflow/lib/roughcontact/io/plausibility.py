@@ -166,11 +166,9 @@ def _extremes(heights: np.ndarray, low: float, high: float) -> Iterator[str]:
     ):
         if count:
             points = f"{count} points lie" if count > 1 else "1 point lies"
-            yield (
-                f"{points} far {where}, where 99 % lie between {quantity(lower, 'm')} and "
-                f"{quantity(upper, 'm')}): spikes, dust, or a marker for missing points that was taken for a "
-                f"height ({_MARKER_ADVICE})"
-            )
+            others = f"where 99 % lie between {quantity(lower, 'm')} and {quantity(upper, 'm')})"
+            cause = "spikes, dust, or a marker for missing points that was taken for a height"
+            yield f"{points} far {where}, {others}: {cause} ({_MARKER_ADVICE})"
 
 
 def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) -> Iterator[str]:
@@ -186,19 +184,17 @@ def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) ->
         count = np.count_nonzero(heights == value)
         share = count / heights.size
         if count > 1 and share > _PLATEAU:  # one point is always at the extreme
-            yield (
-                f"{percent(share)} of the points have exactly the {name} height ({quantity(value, 'm')}): "
-                f"the instrument was saturated there, or this marks missing points ({_MARKER_ADVICE})"
-            )
+            finding = f"exactly the {name} height ({quantity(value, 'm')})"
+            cause = f"the instrument was saturated there, or this marks missing points ({_MARKER_ADVICE})"
+            yield f"{percent(share)} of the points have {finding}: {cause}"
     # a level inside the range that is far more frequent than its neighbours
     mode = int(np.argmax(counts))
     neighbours = np.delete(counts[max(mode - 10, 0) : mode + 11], min(mode, 10))
     share = counts[mode] / counts.sum()
     if 0 < mode < levels.size - 1 and share > _PLATEAU and counts[mode] > 10 * max(int(neighbours.max()), 1):
-        yield (
-            f"{percent(share)} of the points have exactly the height {quantity(levels[mode], 'm')}, far more "
-            f"than any other: a plateau that was filled in, or a marker for missing points ({_MARKER_ADVICE})"
-        )
+        finding = f"exactly the height {quantity(levels[mode], 'm')}, far more than any other"
+        cause = f"a plateau that was filled in, or a marker for missing points ({_MARKER_ADVICE})"
+        yield f"{percent(share)} of the points have {finding}: {cause}"
 
 
 def _lines(height: np.ndarray) -> Iterator[str]:

@@ -139,10 +139,9 @@ def read_overview(path: str | Path, **arguments: Any) -> "xr.DataArray":
         if not {"dx", "dy"} & {*error.keys}:
             raise
         finding, _, _ = str(error).partition("; give ")
-        raise InputFileError(
-            f"{finding}; the size of an overview is stated in its file: write lines before the heights, "
-            "# Width: 300 um, # Height: 200 um, # Value units: um, or save it in a format that has them"
-        ) from error
+        way_out = "write lines before the heights, # Width: 300 um, # Height: 200 um, # Value units: um"
+        wrong = f"{finding}; the size of an overview is stated in its file"
+        raise InputFileError(f"{wrong}: {way_out}, or save it in a format that has them") from error
 
 
 def _read(path: Path, request: Request) -> "xr.DataArray":

@@ -15,6 +15,7 @@ from roughcontact.io.request import Request
 from roughcontact.io.scale import given_steps
 from roughcontact.io.units import is_length, metres
 
+_ADVICE = "give resample = linear (table of surfaces or argument) to interpolate to an even grid"
 _REACH = 2.0  # steps from the nearest point beyond which a grid point counts as not measured
 
 
@@ -27,19 +28,13 @@ def resample_evenly(channel: Channel, request: Request) -> tuple[Channel, Reques
     if points is None:
         return channel, request, []
     if request.resample is None and channel.otherwise is not None:
-        columns = channel.otherwise.shape[1]
-        raise InputFileError(
-            f"{columns} columns of numbers without names: a map of {columns} columns, then "
-            f"give dx, dy and unit; or points ({points.uneven}), then give resample = linear to interpolate "
-            "to an even grid (table of surfaces or arguments)",
-            keys=["dx", "dy", "unit", "resample"],
-        )
+        columns = f"{channel.otherwise.shape[1]} columns"
+        question = f"{columns} of numbers without names: a map of {columns}, then give dx, dy and unit"
+        points_instead = f"points ({points.uneven}), then {_ADVICE}"
+        raise InputFileError(f"{question}; or {points_instead}", keys=["dx", "dy", "unit", "resample"])
     if request.resample is None:
-        raise InputFileError(
-            f"{points.uneven}; give resample = linear (table of surfaces or argument) to "
-            "interpolate to an even grid, or interpolate and export it with the instrument's software",
-            keys=["resample"],
-        )
+        elsewhere = "interpolate and export it with the instrument's software"
+        raise InputFileError(f"{points.uneven}; {_ADVICE}, or {elsewhere}", keys=["resample"])
     steps = given_steps(request)
     if any(steps):  # positions and steps in `unit`
         unit = request.unit or "m"
@@ -80,10 +75,8 @@ def resampled(
     grid_channel = replace(channel, shape=heights.shape, read=heights.copy, points=None, otherwise=None)
     grid_channel = replace(grid_channel, dx=dx, dy=dy, first_x=first_x, first_y=first_y)
     size = " x ".join(str(axis.size) for axis in reversed(along))
-    return grid_channel, (
-        f"{uneven}: resampled as asked, {z.size} points interpolated linearly to {size} on an even "
-        "grid, which lowers slopes and peak pressures"
-    )
+    how = f"{z.size} points interpolated linearly to {size} on an even grid"
+    return grid_channel, f"{uneven}: resampled as asked, {how}, which lowers slopes and peak pressures"
 
 
 def _interpolated(positions, z, steps):

@@ -41,11 +41,9 @@ def decide_scale(channel: Channel, request: Request) -> Scale:
     ['dx = 5e-06 m as given by the user, where the file says 2e-06 m']
     """
     if channel.no_height and request.height_unit is None and not is_length(channel.height_unit):
-        raise InputFileError(
-            f"channel {channel.name!r} holds no heights ({channel.no_height}); if it does, give "
-            "height_unit, the length that a value of 1 stands for",
-            keys=["height_unit"],
-        )
+        way_out = "if it does, give height_unit, the length that a value of 1 stands for"
+        wrong = f"channel {channel.name!r} holds no heights ({channel.no_height})"
+        raise InputFileError(f"{wrong}; {way_out}", keys=["height_unit"])
     notes: list[str] = []
     factor = _lateral_factor(channel, request, notes)
     dx, dy = (_step(name, channel, request, factor, notes) for name in ("dx", "dy"))
@@ -55,9 +53,8 @@ def decide_scale(channel: Channel, request: Request) -> Scale:
     if dx is None or dy is None or _is_half_stated(channel, request):
         raise _missing_steps(channel, request)
     if not (_SHORTEST < dx < 1 / _SHORTEST and _SHORTEST < dy < 1 / _SHORTEST):
-        raise InputFileError(
-            f"steps of {dx:g} m x {dy:g} m are impossible; give dx, dy and unit", keys=["dx", "dy", "unit"]
-        )
+        wrong = f"steps of {dx:g} m x {dy:g} m are impossible"
+        raise InputFileError(f"{wrong}; give dx, dy and unit", keys=["dx", "dy", "unit"])
     if channel.size_rounding is not None and request.dx is None and request.dy is None:
         _refuse_cut_matrix(channel, dx, dy)
         if dx > _WIDE_PIXEL * dy:
@@ -133,13 +130,10 @@ def _height_factor(channel: Channel, request: Request, steps: tuple[float, float
         return metres(file_unit, where="height unit")
     lengths = [*steps, steps[0] * channel.shape[1], steps[1] * channel.shape[0]]
     # the unit of x and y serves for the heights only where no line of the file has another one
-    if request.unit is None or says_another_unit(channel, request, lengths):
-        raise InputFileError(
-            f"the file does not say the unit of its heights{quoted(channel, request)}; give height_unit in "
-            "the table of surfaces or as an argument",
-            keys=["height_unit"],
-        )
     unsaid = "the file does not say the unit of its heights"
+    if request.unit is None or says_another_unit(channel, request, lengths):
+        way_out = "give height_unit in the table of surfaces or as an argument"
+        raise InputFileError(f"{unsaid}{quoted(channel, request)}; {way_out}", keys=["height_unit"])
     notes.append(f"{unsaid}: they are taken in {request.unit}, as x and y")
     return metres(request.unit, where="unit", error=SettingsError)
 
@@ -169,11 +163,9 @@ def _missing_steps(channel: Channel, request: Request) -> InputFileError:
         heights = f" (its heights are in {channel.height_unit})"
     elif request.height_unit is None:
         needed, heights = [*needed, "height_unit"], ", nor the unit of its heights"
-    return InputFileError(
-        f"{description} that does not say its {'size' if absent else 'lateral unit'}{heights}{lines}; "
-        f"give {', '.join(needed)} in the table of surfaces or as arguments",
-        keys=needed,
-    )
+    wrong = f"{description} that does not say its {'size' if absent else 'lateral unit'}{heights}{lines}"
+    way_out = f"give {', '.join(needed)} in the table of surfaces or as arguments"
+    return InputFileError(f"{wrong}; {way_out}", keys=needed)
 
 
 def _refuse_cut_matrix(channel: Channel, dx: float, dy: float) -> None:
@@ -194,8 +186,7 @@ def _refuse_cut_matrix(channel: Channel, dx: float, dy: float) -> None:
     from_ends = abs(from_first_to_last - ny) <= 0.01 + slack and abs(square_rows - ny - 1) > 0.01
     if from_ends or abs(square_rows - round(square_rows)) > 0.01 + slack:
         return
-    raise InputFileError(
-        f"{ny} lines of {nx} numbers do not fit the size in the header: the pixels would be "
-        f"{dx:.6g} m x {dy:.6g} m; the file seems to be cut off. If it is whole, {channel.scale_advice}",
-        keys=["dx", "dy", "unit"],
-    )
+    wrong = f"{ny} lines of {nx} numbers do not fit the size in the header"
+    pixels = f"the pixels would be {dx:.6g} m x {dy:.6g} m; the file seems to be cut off"
+    way_out = f"If it is whole, {channel.scale_advice}"
+    raise InputFileError(f"{wrong}: {pixels}. {way_out}", keys=["dx", "dy", "unit"])

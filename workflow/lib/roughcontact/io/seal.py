@@ -40,10 +40,8 @@ def check_seal(path: str | Path) -> int:
     if not (crc := stated_seal(path)):
         return 0
     if (checksum := f"{_crc(path, path.stat().st_size - _LENGTH):08x}") != crc:
-        raise InputFileError(
-            f"{path}: damaged, or changed by another program, since it was written (its CRC-32 is "
-            f"{checksum}, it was {crc}); {WAY_OUT}"
-        )
+        wrong = f"damaged, or changed by another program, since it was written (its CRC-32 is {checksum}"
+        raise InputFileError(f"{path}: {wrong}, it was {crc}); {WAY_OUT}")
     return _LENGTH
 
 

@@ -111,10 +111,9 @@ def _archive(path: Path) -> str:
         return "an Office document; export the map itself as X3P, SDF or text"
     if names and all(name.endswith(".npy") for name in names):
         return "an archive of NumPy arrays (npz); save the array of heights alone with numpy.save"
-    return (
-        "a ZIP archive of none of the formats that are known (X3P, PLUX, NMM, POIR, QEP, Mitutoyo); it holds "
-        f"{listed(names, 4) or 'nothing'}; if one of these is the measured file, unpack it"
-    )
+    wrong = "a ZIP archive of none of the formats that are known (X3P, PLUX, NMM, POIR, QEP, Mitutoyo)"
+    listing = listed(names, 4) or "nothing"
+    return f"{wrong}; it holds {listing}; if one of these is the measured file, unpack it"
 
 
 def list_sheets(path: Path) -> list[str]:

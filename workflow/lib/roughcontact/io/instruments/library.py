@@ -107,11 +107,10 @@ def read_instrument(path: Path) -> MeasuredFile:
         candidate, reason = failures[0]
         wrong = f"looks like {candidate}, but is damaged, cut off or of a kind that holds no map"
         raise InputFileError(f"{wrong} ({_message(reason)})") from reason
+    wrong = "the format is not known, or the file is damaged (recognised by content, not by extension)"
+    way_out = "export the map as X3P, SDF, netCDF or a text matrix with its size and units"
     hint = _FILM if path.suffix.lower() == ".asd" else ""
-    raise InputFileError(
-        f"the format is not known, or the file is damaged (recognised by content, not by extension); "
-        f"{hint}export the map as X3P, SDF, netCDF or a text matrix with its size and units"
-    ) from (failures[0][1] if failures else None)
+    raise InputFileError(f"{wrong}; {hint}{way_out}") from (failures[0][1] if failures else None)
 
 
 def _is_foreign(file_format: Format, error: Exception) -> bool:

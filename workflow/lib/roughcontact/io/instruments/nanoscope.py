@@ -65,17 +65,14 @@ def corrected(channels: list[Any], path: Path) -> list[str]:
             lines = ny
         length = y * lines / ny if "slow axis size" in scan else x * _aspect(scan, nx, lines, image)
         if unread := n_bytes - lines * bytes_of_line:
-            notes.append(
-                f"{unread} of the {n_bytes} bytes of channel {info.name!r} are no part of its {lines} lines"
-            )
+            rest = f"{unread} of the {n_bytes} bytes of channel {info.name!r}"
+            notes.append(f"{rest} are no part of its {lines} lines")
         if lines == ny and abs(length / y - 1) < 1e-9:
             continue
         unit = info.unit[0] if isinstance(info.unit, tuple) else info.unit
-        notes.append(
-            f"the header states {image['samps/line']} x {image['number of lines']} points on "
-            f"{image['scan size']}; the data are {lines} lines of {nx}, on {number(x)} x "
-            f"{number(length)} {unit}"
-        )
+        points = f"{image['samps/line']} x {image['number of lines']} points on {image['scan size']}"
+        data = f"{lines} lines of {nx}, on {number(x)} x {number(length)} {unit}"
+        notes.append(f"the header states {points}; the data are {data}")
         attributes = {
             name: getattr(info, name) for name in ("name", "height_scale_factor", "unit", "info", "tags")
         }

@@ -69,10 +69,8 @@ def _objects(path: Path) -> tuple[list[tuple[np.void, int]], int]:
                 raise InputFileError(f"it holds spectra of {header['spectrum']} points each, no heights")
             points = min(nx, ny) > 0 and nx * ny == header["points"] and bits in (16, 32)
             if not points or sizes[:, 0].sum() != nx * ny * bits // 8:
-                raise InputFileError(
-                    f"damaged Digital Surf file: a header states {header['points']} points of "
-                    f"{bits} bits in {ny} rows of {nx}"
-                )
+                wrong = f"{header['points']} points of {bits} bits in {ny} rows of {nx}"
+                raise InputFileError(f"damaged Digital Surf file: a header states {wrong}")
             check_points((ny, nx))
             refuse_cut_off(size, stop)
             objects.append((header, start))
@@ -80,9 +78,8 @@ def _objects(path: Path) -> tuple[list[tuple[np.void, int]], int]:
             stream.seek(stop)
     first_header = objects[0][0]
     if first_header["type"] in _SERIES and len(objects) < first_header["objects"]:
-        raise InputFileError(
-            f"{len(objects)} objects where its header states {first_header['objects']}: it was cut off"
-        )
+        stated = f"where its header states {first_header['objects']}"
+        raise InputFileError(f"{len(objects)} objects {stated}: it was cut off")
     return objects, stop
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, stated_length
-from roughcontact.io.guards import check_points, refusing
+from roughcontact.io.guards import check_points, refuse_more, refusing
 from roughcontact.io.instruments.containers import TIFF, check_tiff, tiff_end, tiff_tags
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.units import is_length
@@ -38,18 +38,13 @@ def read(path: Path) -> MeasuredFile:
     unit = properties.get("unit", "").encode().decode("unicode_escape", "replace").strip()
     function = int(properties.get("cf", _NO_FUNCTION))
     if _STRAIGHT_LINE < function < _NO_FUNCTION:
-        raise InputFileError(
-            "its values are calibrated by a curve, which is not followed; save them as floats"
-        )
+        raise InputFileError("its values are calibrated by a curve, which is not followed; save floats")
     line = float(properties.get("c0", 0.0)), float(properties.get("c1", 1.0))
     height_unit = properties.get("vunit") if function == _STRAIGHT_LINE else None
     lateral_unit = unit if is_length(unit) else None
     channels = []
     with refusing("looks like a TIFF of ImageJ, but is damaged"), TiffImageFile(path) as image:
-        if image.n_frames > _MAX_PAGES:
-            raise InputFileError(
-                f"{image.n_frames} pages, more than the {_MAX_PAGES} that are read; save one"
-            )
+        refuse_more(f"{image.n_frames} pages", image.n_frames, _MAX_PAGES, "save one")
         for number in range(image.n_frames):
             image.seek(number)
             if image.mode not in _MODES:

@@ -67,9 +67,8 @@ def _frames(group: Any, several: bool, path: Path) -> Iterator[Channel]:
         raise InputFileError(f"{group.name} of this JPK file has {len(arrays)} arrays, not one")
     array = group[arrays[0]]
     if array.ndim != 2 or array.shape[0] != nx * ny or array.dtype.kind not in "iuf":
-        raise InputFileError(
-            f"{array.name} has the shape {array.shape}, which is no {ny} x {nx} points of each frame"
-        )
+        wrong = f"{array.name} has the shape {array.shape}"
+        raise InputFileError(f"{wrong}, which is no {ny} x {nx} points of each frame")
     unit = _stated(group, _SCALE + "unit.unit")
     scale = float(group.attrs[_SCALE + "multiplier"]), float(group.attrs[_SCALE + "offset"])
     direction = "retrace" if _stated(group, "retrace") == "true" else "trace"

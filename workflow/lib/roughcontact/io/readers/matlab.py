@@ -15,12 +15,13 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, counted_channels, oversized
-from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, refusing
+from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, refuse_more, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.text.axes import refuse_points
 
 _MARK = b"MATLAB 5.0 MAT-file"
 _HEADER_BYTES = 128
+_DAMAGED, _AGAIN = "damaged MATLAB file", "copy or save it again"
 _FIRST = ("height", "heights", "z")
 _MATRIX, _COMPRESSED = 14, 15  # types of a variable
 _NUMBERS = ("double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
@@ -90,10 +91,8 @@ def _places(path: Path) -> list[slice]:
         while len(tag := stream.read(8)) == 8:
             data_type, count = (int.from_bytes(field, order) for field in (tag[:4], tag[4:]))
             if data_type not in (_MATRIX, _COMPRESSED):
-                raise InputFileError(
-                    f"damaged MATLAB file: no variable begins {stream.tell() - 8} bytes from its "
-                    "beginning, where the one before ends; copy or save it again"
-                )
+                wrong = f"no variable begins {stream.tell() - 8} bytes from its beginning"
+                raise InputFileError(f"{_DAMAGED}: {wrong}, where the one before ends; {_AGAIN}")
             ranges.append(slice(stream.tell() - 8, stream.tell() + count))
             if ranges[-1].stop > size:
                 raise InputFileError("the last variable of this MATLAB file is not whole: it was cut off")
@@ -105,14 +104,9 @@ def _places(path: Path) -> list[slice]:
             while block:
                 total += len(unpacker.decompress(block, 2**20))
                 block = unpacker.unconsumed_tail
-                if total > MAX_UNPACKED_BYTES:
-                    raise InputFileError(
-                        f"its variables unpack to more than the {MAX_UNPACKED_BYTES} bytes allowed"
-                    )
+                refuse_more(f"its variables unpack to {total} bytes", total, MAX_UNPACKED_BYTES)
         if tag:
-            raise InputFileError(
-                f"damaged MATLAB file: {len(tag)} bytes follow its last variable; copy or save it again"
-            )
+            raise InputFileError(f"{_DAMAGED}: {len(tag)} bytes follow its last variable; {_AGAIN}")
     return ranges
 
 

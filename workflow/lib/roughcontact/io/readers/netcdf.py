@@ -23,7 +23,7 @@ from roughcontact.io.channels import (
     oversized,
     unreadable,
 )
-from roughcontact.io.guards import MAX_POINTS, refusing
+from roughcontact.io.guards import MAX_POINTS, refuse_more, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.positions import channel_on_grid
@@ -70,10 +70,7 @@ def _channels(dataset: Any) -> Iterator[Channel]:
             yield (channel := _variable(dataset, name, axes, selection))
             sizes = [dataset.variables[name].sizes[axis] for axis in axes if axis]
             total += sum(sizes) + (prod(sizes) if channel.points else 0)  # positions, and uneven maps
-            if total > MAX_POINTS:
-                raise InputFileError(
-                    f"maps with more than the {MAX_POINTS} positions that are read; save the map alone"
-                )
+            refuse_more(f"maps with {total} positions", total, MAX_POINTS, "save the map alone")
 
 
 def _instrument(dataset: Any) -> dict[str, Any]:
@@ -103,10 +100,8 @@ def _oversized_variables(path: Path) -> dict[str, tuple[int, ...]]:
         shapes = {name: tuple(variable.shape) for name, variable in file.variables.items()}
         axes = [name for name in shapes if file[name].dimensions == (name,)]
     too_long = {name: shape for name, shape in shapes.items() if prod(shape) > MAX_POINTS}
-    if (total := sum(prod(shapes[name]) for name in axes if name not in too_long)) > _MAX_POSITIONS:
-        raise InputFileError(
-            f"coordinates of {total} points, more than the {_MAX_POSITIONS} that are read; save the map alone"
-        )
+    total = sum(prod(shapes[name]) for name in axes if name not in too_long)
+    refuse_more(f"coordinates of {total} points", total, _MAX_POSITIONS, "save the map alone")
     return too_long
 
 
@@ -115,10 +110,9 @@ def _no_map_message(arrays: dict[str, tuple[int, ...]], names: list[str]) -> str
     if arrays:
         sizes = [f"{name} ({' x '.join(map(str, shape)) or '1'})" for name, shape in sorted(arrays.items())]
         listing = ", ".join(sizes[:5]) + (f" and {len(sizes) - 5} more" if len(sizes) > 5 else "")
-        return (
-            "an HDF5 file, but neither netCDF nor one of Zygo's or JPK's, so that nothing says which of its "
-            f"arrays are heights; it has {listing}; save the heights as .npy or netCDF"
-        )
+        kind = "an HDF5 file, but neither netCDF nor one of Zygo's or JPK's"
+        wrong = f"so that nothing says which of its arrays are heights; it has {listing}"
+        return f"{kind}, {wrong}; save the heights as .npy or netCDF"
     if not names:
         return "an empty netCDF or HDF5 file: it has no variable at all"
     return f"no variable over two axes (y, x) in this netCDF file; it has {', '.join(names)}"
@@ -160,10 +154,8 @@ def _variable(dataset: Any, name: Any, dims: tuple[str | None, str], selection: 
         axes = ", ".join(map(str, variable.dims))
         unread = f"nothing says which axes of {name!r} are those of a map: name two of {axes} y and x"
     elif positions and name not in positions:
-        unread = (
-            f"the positions {' and '.join(positions)} of {name!r} are variables over its axes; make "
-            "them coordinates of a grid, or save the points as text x, y, z"
-        )
+        unread = f"the positions {' and '.join(positions)} of {name!r} are variables over its axes"
+        unread += "; make them coordinates of a grid, or save the points as text x, y, z"
     else:
         unread = ""
     if unread:

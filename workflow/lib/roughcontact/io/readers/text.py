@@ -25,7 +25,14 @@ from roughcontact.io.sources import parse_lengths
 from roughcontact.io.text.axes import are_points, begins_anew, find_axes, form_a_grid, uneven, wrapped
 from roughcontact.io.text.columns import Column, are_map_columns, headed, layout, miscounted, unit_of_heights
 from roughcontact.io.text.doubts import refuse_lost_row, thousands
-from roughcontact.io.text.header import LENGTHS, Stated, Statement, contradiction, disagreeing, statements
+from roughcontact.io.text.header import (
+    LENGTHS,
+    Stated,
+    Statement,
+    contradiction,
+    refuse_disagreeing,
+    statements,
+)
 from roughcontact.io.text.lines import looks_like_text, read_text
 from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import Dialect, Rows, Table, left_out, parse_table, split_text
@@ -47,6 +54,8 @@ _PASSAGES = re.compile(r".{1,200}(?=[\s;,]|\Z)|.{1,200}", re.DOTALL)  # of it
 _MAX_PASSAGES = 1000
 _MAX_DISTANCE = 20  # lines above the table among which may be a heading with a unit
 _SIDE = {axis: pattern("side", axis) for axis in "xy"}
+_LEAVE_ONE = "leave one of them in the file"
+_ONE_LINE = "write each row of the map into one line"
 _KEYENCE = -99999.9999  # that VR and VK series write for a missing point
 _ARC_INFO = {"ncols", "nrows", "cellsize"}  # first words of the header of a grid
 
@@ -107,8 +116,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         "write NaN if the point is missing, or correct it"
         for marker, count in table.spoken.items()
     ]
-    if wrong := disagreeing(by_meaning):
-        raise InputFileError(wrong)
+    refuse_disagreeing(by_meaning)
     values[(np.abs(values) > MIN_MARKER) | (values == _KEYENCE)] = np.nan  # infinite ones too
     if {line.split()[0].lower() for _, line in rows.filled} >= _ARC_INFO:
         by_meaning.setdefault("missing", [Statement(-9999.0)])  # by default of the format
@@ -139,10 +147,8 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         x, y, z = (Statement(unit, line=rows.filled[-1][0], text=above) for unit in units)
         by_meaning |= {"lateral_unit": [x, *[y] * same_length(x.value, y.value)], "height_unit": [z]}
     elif not columns and (name_count := miscounted(above, width, dialect.delimiter)):
-        raise InputFileError(
-            f"{above.strip()[:60]!r} names {name_count} columns, the table below it, from line "
-            f"{rows.lines[0]} on, has {width}: correct that line"
-        )
+        below = f"the table below it, from line {rows.lines[0]} on, has {width}"
+        raise InputFileError(f"{above.strip()[:60]!r} names {name_count} columns, {below}: correct that line")
     # "256 192" in one line counts both sides; counts in several lines may be of several things
     points = by_meaning.get("count", [])
     counts = counts or [count.value for count in points if count.line == points[0].line]
@@ -215,7 +221,7 @@ def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
 
 def _second_table(line: int) -> str:
     """Return what to do where a second table begins at a line."""
-    return f"a second table begins at line {line}; leave one of them in the file"
+    return f"a second table begins at line {line}; {_LEAVE_ONE}"
 
 
 def _title(text: _Text) -> str:
@@ -235,10 +241,9 @@ def _file(text: _Text) -> MeasuredFile:
     groups = layout(columns) if columns else None
     if columns and not groups and any(column.name for column in columns) and not are_map_columns(columns):
         listing = listed([f"{name} ({unit})" if unit else name for name, unit, _ in columns if name])
-        raise InputFileError(
-            f"nothing says which of the {count} columns {listing} are positions and heights; name them "
-            "x, y and z, in the line above the table, or delete that line above the heights of a map"
-        )
+        wrong = f"nothing says which of the {count} columns {listing} are positions and heights"
+        way_out = "name them x, y and z, in the line above the table, or delete that line above"
+        raise InputFileError(f"{wrong}; {way_out} the heights of a map")
     # an empty corner tells positions beside a matrix from headings that name its columns
     has_positions = text.table.empty_corner and find_axes(values, corner=True) is not None
     if groups and not has_positions:
@@ -266,45 +271,38 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
     values = text.table.values
     ny, nx = values.shape
     if row := begins_anew(values):
-        raise InputFileError(
-            f"positions begin anew at line {text.rows.lines[row]}: points, then name the columns in a line "
-            "above them (x, y, z), or a second table, then leave one of them in the file"
-        )
+        way_out = "points, then name the columns in a line above them (x, y, z), or a second table, then"
+        raise InputFileError(f"positions begin anew at line {text.rows.lines[row]}: {way_out} {_LEAVE_ONE}")
+    first_line = f"line {text.rows.lines[0]}"
     if begins_anew(values.T) or text.table.empty[1:-1].any():
-        raise InputFileError(
-            f"line {text.rows.lines[0]} begins anew, or has an empty column: maps beside one another; leave "
-            "one of them in the file, or write NaN where a column is missing"
-        )
+        wrong = f"{first_line} begins anew, or has an empty column: maps beside one another"
+        raise InputFileError(f"{wrong}; {_LEAVE_ONE}, or write NaN where a column is missing")
     unit, note = _unit_in_corner(text.rows.label)
     axes = find_axes(values, corner=text.table.empty_corner, positions=bool(unit))
     if are_points(values.T):
-        raise InputFileError(
-            f"line {text.rows.lines[0]} holds positions: write the points in columns, x, (y,) z"
-        )
+        raise InputFileError(f"{first_line} holds positions: write the points in columns, x, (y,) z")
     if axes is None and (line := uneven(values)):
-        raise InputFileError(
-            f"the first {line} of the table, from line {text.rows.lines[0]} on, holds positions that are not "
-            "even: delete it if it holds none, or write the points as a list x, y, z"
-        )
+        wrong = f"the first {line} of the table, from {first_line} on, holds positions that are not even"
+        raise InputFileError(f"{wrong}: delete it if it holds none, or write the points as a list x, y, z")
     # a header that counts the first row and column with the heights says that they are heights
     if axes is None or (text.stated.first("ny"), text.stated.first("nx")) == (ny, nx):
         if text.table.short:
-            raise InputFileError(f"line {text.rows.lines[0]} has {nx - 1} numbers where the others have {nx}")
+            raise InputFileError(f"{first_line} has {nx - 1} numbers where the others have {nx}")
         return _matrix(values, text)
     file = _matrix(axes.values, text, axes.steps, lateral_unit=unit if len(axes.steps) == 2 else None)
     (channel,) = file.channels
     file.warnings.append(axes.note + (note if channel.lateral_unit is None else ""))
-    if axes.turned:
+    if "dy" in axes.steps:
         file.first_row, file.first_row_assumed = "bottom", False
     if channel.doubt:
         return file
-    if wrong := _contradictions(text, axes.steps, None, (len(axes.values), axes.values.shape[1])):
+    may_be_profiles = len(axes.values) == ny and nx < _MANY_PROFILES
+    if wrong := _contradictions(text, axes.steps, None, channel.shape):
         channel.doubt = f"{axes.note}: {wrong}; correct the file, or {channel.scale_advice}"
-    elif not axes.rows and nx < _MANY_PROFILES and not {"length_y", "dy", "step", "ny"} & {*text.stated}:
-        channel.doubt = (
-            f"the first of {nx} columns holds positions: of {counted_noun(nx - 1, 'profile')}, then name the "
-            f"columns in a line above them (x, z1, ...), or of the rows of a map, then {channel.scale_advice}"
-        )
+    elif may_be_profiles and not {"length_y", "dy", "step", "ny"} & {*text.stated}:
+        profiles = f"of {counted_noun(nx - 1, 'profile')}, then name the columns in a line above them"
+        rows = f"of the rows of a map, then {channel.scale_advice}"
+        channel.doubt = f"the first of {nx} columns holds positions: {profiles} (x, z1, ...), or {rows}"
     if channel.doubt:
         channel.otherwise = replace(channel, doubt="")
     return file
@@ -427,19 +425,15 @@ def _refuse_cut_table(shape: tuple[int, ...], counts: list[int]) -> None:
     rows, columns = shape
     total, is_whole = prod(counts), prod(counts) == rows or sorted(counts) == sorted(shape)
     if is_whole and len(counts) == 2 and columns == 1 < min(counts):
-        raise InputFileError(
-            f"a column of {rows} numbers, where the file says {counts[0]:g} x {counts[1]:g} points: write "
-            "each row of the map into one line"
-        )
+        stated = f"{counts[0]:g} x {counts[1]:g} points"
+        raise InputFileError(f"a column of {rows} numbers, where the file says {stated}: {_ONE_LINE}")
     if len(counts) == 1:
         # two or three columns are positions and heights, of which half may be lost
         is_whole = total <= rows or total == columns or (columns > 3 and total == rows * columns)
     if counts and not is_whole:
-        listing = " and ".join(f"{count:g}" for count in counts)
-        raise InputFileError(
-            f"the file says {listing} points, the table has {rows} rows of {columns} numbers; it was cut off "
-            "or changed"
-        )
+        stated = " and ".join(f"{count:g}" for count in counts)
+        wrong = f"the file says {stated} points, the table has {rows} rows of {columns} numbers"
+        raise InputFileError(f"{wrong}; it was cut off or changed")
 
 
 def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFile:
@@ -447,18 +441,13 @@ def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFil
     if text.rows.broken:
         raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a height is missing")
     if {"length_y", "dy", "ny"} & {*text.stated}:
-        raise InputFileError(
-            f"a column of {heights.size} numbers, where the header states a size along y: write each row of "
-            "the map into one line"
-        )
+        wrong = f"a column of {heights.size} numbers, where the header states a size along y"
+        raise InputFileError(f"{wrong}: {_ONE_LINE}")
     for index, counter in enumerate(text.columns or ()):
         pieces = runs(text.table.values[:, index]) if counter.role == "index" else []
         if len(pieces) > 1:
-            line = text.rows.lines[pieces[1].start]
-            raise InputFileError(
-                f"the column {counter.name!r} begins anew or repeats at line {line}: several profiles below "
-                "one another; leave one of them in the file"
-            )
+            wrong = f"{counter.name!r} begins anew or repeats at line {text.rows.lines[pieces[1].start]}"
+            raise InputFileError(f"the column {wrong}: several profiles below one another; {_LEAVE_ONE}")
     file = _matrix(heights[None], text, unit=column.unit)
     (channel,) = file.channels
     if not column.name:
@@ -532,9 +521,7 @@ def _trace(channel: Channel, x: np.ndarray, text: _Text) -> Channel:
         channel.dx = rounded_step(x)
         if channel.dx is None:
             return replace(scattered(channel, x, None, heights, str(error)), otherwise=_as_matrix(text))
-        channel.notes.append(
-            "the positions are even up to the rounding of their last digit in the file, and taken as even"
-        )
+        channel.notes.append("the positions are even up to the rounding of their last digit in the file")
     if wrong := _contradictions(text, {"dx": channel.dx}, channel.lateral_unit, channel.shape):
         channel.notes.append(f"{wrong}; the positions are used")
     channel.first_x = float(x[0])
@@ -554,18 +541,15 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
         if wrong := _contradictions(text, stated_steps, channel.lateral_unit, heights.shape):
             channel.notes.append(f"{wrong}; the positions are used")
         if not channel.lateral_unit and set(steps.values()) == {1} and {*origin} <= {0, 1}:
-            channel.notes.append(
-                f"the positions count from {origin[0]:g} on: if they number the points, give dx and dy"
-            )
+            numbers = f"the positions count from {origin[0]:g} on"
+            channel.notes.append(f"{numbers}: if they number the points, give dx and dy")
         channel.shape, channel.read = heights.shape, lambda: heights
         channel.dx, channel.dy, channel.first_x, channel.first_y = steps["x"], steps["y"], *origin
     except UnevenPositionsError as error:
         # x, z1, z2 of two profiles, or a counter before x and y, look like points x, y, z
         if text.columns is None and (are_points(np.column_stack([x, z])) or form_a_grid(y, z)):
-            raise InputFileError(
-                f"{error}; name the columns in a line above them, as x, z1, z2, or delete the first one if "
-                "it counts the rows"
-            ) from error
+            way_out = "name the columns in a line above them, as x, z1, z2, or delete the first one"
+            raise InputFileError(f"{error}; {way_out} if it counts the rows") from error
         channel = replace(scattered(channel, x, y, z, str(error)), otherwise=_as_matrix(text))
     except InputFileError as error:
         channel = _matrix_instead(str(error), text)
@@ -575,12 +559,11 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
 def _refuse_lost_lines(shape: tuple[int, ...], text: _Text, content: str = "the points make") -> None:
     """Refuse a map with fewer lines or columns than its header states, a matrix also with more."""
     for entry, count, name in (("nx", shape[1], "columns"), ("ny", shape[0], "rows")):
-        expected = count if entry not in text.stated else text.stated.first(entry)
+        expected = text.stated.first(entry) if entry in text.stated else count
         exceeds = expected > count and (name == "columns" or shape[0] > 1)
         if exceeds if content == "the points make" else expected != count:
-            raise InputFileError(
-                f"the header says {expected:g} {name}, {content} {count}; it was cut off or changed"
-            )
+            wrong = f"the header says {expected:g} {name}, {content} {count}"
+            raise InputFileError(f"{wrong}; it was cut off or changed")
 
 
 def _matrix_instead(wrong: str, text: _Text) -> Channel:

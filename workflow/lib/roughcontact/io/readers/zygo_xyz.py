@@ -27,9 +27,8 @@ def read(path: Path) -> MeasuredFile:
         pixel = float(lines[7].split()[6])
         points = [line.split()[:3] for line in lines[marks[0] + 1 : [*marks, None][1]]]
         if len(marks) != 2 or len(points) != nx * ny:
-            raise InputFileError(
-                f"{len(points)} lines of points where the header needs {nx} x {ny}: it was cut off or changed"
-            )
+            wrong = f"{len(points)} lines of points where the header needs {nx} x {ny}"
+            raise InputFileError(f"{wrong}: it was cut off or changed")
         x, y = np.array([point[:2] for point in points], dtype=int).T
         heights = np.full((ny, nx), np.nan)
         heights[y - y.min(), x - x.min()] = [float("nan" if z == "No" else z) for _, _, z in points]

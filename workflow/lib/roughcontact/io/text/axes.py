@@ -22,16 +22,11 @@ _COMPARED = 50  # rows or columns that would be even as well if the first one we
 
 
 class Axes(NamedTuple):
-    """Heights by rising positions, the steps `dx`, `dy` of these, and what was taken for positions.
-
-    `turned`: the rows begin at the smallest y; `rows`: how many hold positions.
-    """
+    """Heights by rising positions, the steps `dx`, `dy` of these, and what was taken for positions."""
 
     values: np.ndarray
     steps: dict[str, float]
     note: str
-    turned: bool
-    rows: int
 
 
 def find_axes(values: np.ndarray, *, corner: bool = False, positions: bool = False) -> Axes | None:
@@ -53,37 +48,30 @@ def find_axes(values: np.ndarray, *, corner: bool = False, positions: bool = Fal
     if min(values.shape) < 3:
         return None
     x, y = _progression(values[0, 1:], values[1:, 1:]), _progression(values[1:, 0], values[1:, 1:].T)
-    has_both = x is not None and y is not None
-    if corner and not has_both:
-        return None
-    if not corner and not (
-        has_both and min(values.shape) > _MIN_FROM_ZERO
-    ):  # one of them, from the corner on
+    if not corner and (x is None or y is None or min(values.shape) <= _MIN_FROM_ZERO):
+        # one of them, from the corner on
         min_points = _MIN_FROM_ZERO if values[0, 0] == 0 else _FEW_POSITIONS
         x = _progression(values[0], values[1:]) if values.shape[1] >= min_points else None
         y = _progression(values[:, 0], values[:, 1:].T) if x is None and len(values) >= min_points else None
-    rows, columns = int(x is not None), int(y is not None)
-    if not rows and not columns:
+    if (x is None and y is None) or (corner and (x is None or y is None)):
         return None
-    steps, notes, heights, reverse = {}, [], values[rows:, columns:], False
-    for line, step, axis in ((values[0, columns:], x, "x"), (values[rows:, 0], y, "y")):
+    rows, columns = int(x is not None), int(y is not None)
+    steps, notes, heights = {}, [], values[rows:, columns:]
+    for name, line, step in (("row", values[0, columns:], x), ("column", values[rows:, 0], y)):
         if step is None:
             continue
-        counts = step == 1 and line[0] in (0, 1) and not positions
         example = ", ".join(f"{number:g}" for number in line[:3])
-        description = "numbers or positions, and left out" if counts else f"positions along {axis}"
-        if counts and axis == "y":
-            description += "; if positions, first_row is bottom"
-        notes.append(
-            f"the first {'row' if axis == 'x' else 'column'} ({example} ...) is taken as {description}"
-        )
-        if not counts:
+        axis = "x" if name == "row" else "y"
+        description = f"positions along {axis}"
+        if step == 1 and line[0] in (0, 1) and not positions:
+            description = "numbers or positions, and left out"
+            description += "; if positions, first_row is bottom" * (axis == "y")
+        else:
             steps["d" + axis] = abs(step)
-        if axis == "x":
-            heights = heights[:, :: -1 if step < 0 else 1]
-        elif not counts:
-            reverse, heights = True, heights[:: -1 if step < 0 else 1]
-    return Axes(heights, steps, "; ".join(notes), reverse, rows)
+        notes.append(f"the first {name} ({example} ...) is taken as {description}")
+        if step < 0:
+            heights = np.flip(heights, axis="yx".index(axis))
+    return Axes(heights, steps, "; ".join(notes))
 
 
 def uneven(values: np.ndarray) -> str:

@@ -174,9 +174,8 @@ def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
         named = [blank.sub("\\1\0\\2", " ".join(cells)).split() for blank in _BLANKS_IN_NAMES]
         named = [names for names in named if len(names) == count]
         if len(named) == 2 and named[0] != named[1]:
-            raise InputFileError(
-                f"{line.strip()[:60]!r}: write each name without blanks, or a tab between them"
-            )
+            way_out = "write each name without blanks, or a tab between them"
+            raise InputFileError(f"{line.strip()[:60]!r}: {way_out}")
         cells = named[0] if named else cells
     # "Y_um , X_um , Z_um" names columns, though its last cell alone would state a unit
     columns = [_column(cell.strip()) for cell in cells]

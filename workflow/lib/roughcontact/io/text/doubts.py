@@ -6,7 +6,7 @@ from itertools import islice
 from roughcontact.errors import InputFileError
 from roughcontact.io.text.header import LENGTHS, Stated, statements
 from roughcontact.io.text.missing import is_missing
-from roughcontact.io.text.table import COMMENT_SIGNS, Dialect, Rows, word_in_row
+from roughcontact.io.text.table import COMMENT_SIGNS, WITHOUT_THOUSANDS, Dialect, Rows, word_in_row
 
 _MIN_CELLS = 10  # cells with three digits behind the mark, of which fewer say nothing
 _MAX_CELLS = 200_000  # cells that are compared column by column
@@ -20,11 +20,9 @@ def refuse_lost_row(rows: Rows, width: int, dialect: Dialect) -> None:
         return
     if width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS):
         return
-    raise InputFileError(
-        f"line {number} has as many cells as the rows of the table below it, and "
-        f"{stray_word[:40]!r} in place of a number: correct it, write NaN for a missing point, or delete the "
-        "line if it is no row of the map"
-    )
+    wrong = f"line {number} has as many cells as the rows of the table below it"
+    way_out = "correct it, write NaN for a missing point, or delete the line if it is no row of the map"
+    raise InputFileError(f"{wrong}, and {stray_word[:40]!r} in place of a number: {way_out}")
 
 
 def thousands(by_meaning: Stated, body: list[str], dialect: Dialect) -> list[str]:
@@ -59,14 +57,12 @@ def thousands(by_meaning: Stated, body: list[str], dialect: Dialect) -> list[str
     if count < _MIN_CELLS or any(re.search(rf"\d{re.escape(sign)}\d{{1,2}}(?!\d)", text) for text in lengths):
         return []
     example = next(iter(examples[True].values()))
-    way_out = "write the numbers without separators of thousands"
     if conflict := examples[True].keys() & examples[False].keys():
-        raise InputFileError(
-            f"{example!r} and {examples[False][min(conflict)]!r} in one table, with three digits behind "
-            f"every {sign!r}: it separates thousands or decimals; {way_out}, or with four decimals"
-        )
+        both = f"{example!r} and {examples[False][min(conflict)]!r} in one table"
+        wrong = f"with three digits behind every {sign!r}: it separates thousands or decimals"
+        raise InputFileError(f"{both}, {wrong}; {WITHOUT_THOUSANDS}, or with four decimals")
     doubt = f"every number has three digits behind its {sign!r}, as in {example!r}: it is read as the decimal"
-    return [f"{doubt} sign; if it separates thousands, {way_out}"]
+    return [f"{doubt} sign; if it separates thousands, {WITHOUT_THOUSANDS}"]
 
 
 def _refuse_both_marks(body: list[str]) -> None:
@@ -78,7 +74,6 @@ def _refuse_both_marks(body: list[str]) -> None:
     first = {match[1]: match[0] for match in reversed(matches)}
     lengths = {mark: {len(match[2]) for match in matches if match[1] == mark} for mark in ".,"}
     if len(first) == 2 and {3} in lengths.values():
-        raise InputFileError(
-            f"{first[',']!r} and {first['.']!r} in one table: either mark may be the "
-            "decimal sign or separate thousands; write the numbers without separators of thousands"
-        )
+        both = f"{first[',']!r} and {first['.']!r} in one table"
+        wrong = "either mark may be the decimal sign or separate thousands"
+        raise InputFileError(f"{both}: {wrong}; {WITHOUT_THOUSANDS}")

@@ -10,6 +10,7 @@ from functools import cache
 from itertools import chain, combinations, dropwhile, islice
 from typing import Any, NamedTuple
 
+from roughcontact.errors import InputFileError
 from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import meanings, pattern, words
 
@@ -179,25 +180,25 @@ def _parsed(text: str, sign: str, *, alone: bool = True) -> Iterator[tuple[str, 
         yield "first_row", Statement(first_rows[0])
 
 
-def disagreeing(by_meaning: Stated) -> str:
-    """Return a sentence on repeated units, numbers of points and factors that do not agree, else nothing."""
+def refuse_disagreeing(by_meaning: Stated) -> None:
+    """Refuse repeated units, numbers of points and factors that do not agree."""
     for ratio, bare in zip(by_meaning.get("z_factor", []), by_meaning.get("height_unit", []), strict=False):
         # of the products, or of the numbers, as radians; a factor of 1 makes no lengths of volts
         if is_length(ratio.unit) and (is_length(bare.value) or ratio.value == 1):
             stated_unit = metres(bare.value) if is_length(bare.value) else math.nan
             is_product = math.isclose(ratio.value * metres(ratio.unit), stated_unit)
             if not is_product and not same_length(ratio.unit, bare.value):
-                return f"{ratio}, {bare}: they do not agree; correct one of them"
+                raise InputFileError(f"{ratio}, {bare}: they do not agree; correct one of them")
     for factor in by_meaning.get("factor", []):
         if not is_length(factor.unit) and factor.value != 1 and "z_factor" not in by_meaning:
-            return f"{factor}: name a factor of the heights 'Z factor', with the unit of the products"
+            way_out = "name a factor of the heights 'Z factor', with the unit of the products"
+            raise InputFileError(f"{factor}: {way_out}")
     for meaning, (first, *repeats) in by_meaning.items():
         for statement in (first, *repeats) if meaning not in LENGTHS else ():
             if statement.value != statement.value:
-                return f"{statement}: {_AMBIGUOUS}; correct one of them"
+                raise InputFileError(f"{statement}: {_AMBIGUOUS}; correct one of them")
             if meaning not in _REPEATED and not _agree((first, 1), (statement, 1)):
-                return f"{first}, {statement}: they do not agree; correct one of them"
-    return ""
+                raise InputFileError(f"{first}, {statement}: they do not agree; correct one of them")
 
 
 def contradiction(by_meaning: Stated, shape: tuple[int, int]) -> str:

@@ -33,9 +33,8 @@ def points_on_grid(
     along_y, row = _grid_lines(y, "y")
     nx, ny = along_x.size, along_y.size
     if z.size < 0.5 * nx * ny:
-        raise UnevenPositionsError(
-            f"{z.size} points x y z do not form an even grid ({nx} different x, {ny} different y)"
-        )
+        counts = f"({nx} different x, {ny} different y)"
+        raise UnevenPositionsError(f"{z.size} points x y z do not form an even grid {counts}")
     check_points((ny, nx))
     _refuse_repeated(row * nx + column, lines)  # within rounding
     # before the missing points are filled with NaN, which would hide that the list was cut off
@@ -52,10 +51,8 @@ def _refuse_repeated(indices: np.ndarray, lines: Sequence[int]) -> None:
     _, unique = np.unique(indices, return_index=True)
     if unique.size < indices.size:
         index = int(np.setdiff1d(np.arange(indices.size), unique)[0])
-        raise InputFileError(
-            f"several points of the list have the same position, the first is that in line {lines[index]}; "
-            "leave one map in the file"
-        )
+        wrong = f"several points of the list have the same position, the first is that in line {lines[index]}"
+        raise InputFileError(f"{wrong}; leave one map in the file")
 
 
 def _refuse_cut_list(row: np.ndarray, column: np.ndarray) -> None:
@@ -78,10 +75,8 @@ def _grid_lines(positions: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarra
     # positions of one line differ by their rounding, those of two by a step: nothing lies between
     limit = 0.5 * np.max(gaps)
     if np.any((gaps < limit) & (gaps > 0.02 * np.max(gaps))):
-        raise UnevenPositionsError(
-            f"the points x y z do not lie on an even grid (steps along {name} between "
-            f"{gaps.min():g} and {gaps.max():g})"
-        )
+        steps = f"steps along {name} between {gaps.min():g} and {gaps.max():g}"
+        raise UnevenPositionsError(f"the points x y z do not lie on an even grid ({steps})")
     starts = np.concatenate([[0], np.flatnonzero(gaps > limit) + 1])
     centres = np.add.reduceat(distinct, starts) / np.diff(np.append(starts, distinct.size))
     line = np.searchsorted(starts, np.searchsorted(distinct, positions), side="right") - 1

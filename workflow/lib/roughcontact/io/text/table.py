@@ -22,6 +22,7 @@ from roughcontact.io.units import is_length
 from roughcontact.io.vocabulary import meanings
 
 COMMENT_SIGNS = "#%;!\\*/"  # at the beginning of a line
+WITHOUT_THOUSANDS = "write the numbers without separators of thousands"
 _FORTRAN = re.compile(r"^([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)$")  # double precision, 1.5D-03
 # between the thousands of a number with decimals, and of one that is a cell
 _GROUPS = {
@@ -316,10 +317,8 @@ def separators(body: list[str], header: Sequence[str] = ()) -> Dialect:
     if "." not in text and one_comma and (leading_zero or comma_above):
         return Dialect(None, True)
     if "." not in text and (leading_zero or (one_comma and len(sample) > 1)):
-        raise InputFileError(
-            f"the comma in {sample[0]!r} may be a decimal sign or a separator; "
-            "write decimals with a point, or separate columns with a tab or a semicolon"
-        )
+        way_out = "write decimals with a point, or separate columns with a tab or a semicolon"
+        raise InputFileError(f"the comma in {sample[0]!r} may be a decimal sign or a separator; {way_out}")
     return Dialect(",", False)
 
 
@@ -510,7 +509,7 @@ def _no_row(cell: str, number: int) -> InputFileError:
     way_out = "write NaN for a missing point, leave the table alone in the file, below lines of words, or "
     way_out += "export the map as X3P or SDF"
     if re.search(r"\d[.,'\s]\d{3}(?!\d)", cell):
-        way_out = "write the numbers without separators of thousands"
+        way_out = WITHOUT_THOUSANDS
     return InputFileError(f"line {number} is no row of numbers ({brief(ValueError(cell))}); {way_out}")
 
 
