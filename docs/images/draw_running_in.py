@@ -9,7 +9,7 @@ import numpy as np
 
 import roughcontact as rc
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.evaluation.running_in import worn_in_a_run
+from roughcontact.evaluation.courses import worn_in_a_run
 from roughcontact.report.figures import new_figure
 
 ROOT = Path(__file__).parents[2]

@@ -9,8 +9,8 @@ from known_surfaces import self_affine
 
 import roughcontact as rc
 from roughcontact.arguments.settings.resolve import resolve
+from roughcontact.evaluation.courses import worn_in_a_run
 from roughcontact.evaluation.pipeline import run_chain
-from roughcontact.evaluation.running_in import worn_in_a_run
 from roughcontact.statistics.after_load import evaluate_unloading
 
 PITCH = (1.5e-6, 1e-6)

@@ -31,9 +31,8 @@ from roughcontact.arguments.relaxation import relaxation_of
 from roughcontact.arguments.settings.models import Section, Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.variables import VARIABLES
+from roughcontact.evaluation.courses import slid_in_a_run, worn_in_a_run
 from roughcontact.evaluation.pipeline import run_chain
-from roughcontact.evaluation.running_in import worn_in_a_run
-from roughcontact.evaluation.sliding import slid_in_a_run
 from roughcontact.statistics.after_load import evaluate_unloading
 from roughcontact.surface.preparation.periodic_map import MapPreparation
 

@@ -7,7 +7,7 @@ from known_surfaces import self_affine
 import roughcontact as rc
 from roughcontact.arguments.answers import AREA
 from roughcontact.arguments.quantities import number
-from roughcontact.evaluation.running_in import ANSWERS, FEW_STEPS, worn_in_a_run
+from roughcontact.evaluation.courses import FEW_STEPS, WORN, worn_in_a_run
 from roughcontact.report.courses import course_sections
 from roughcontact.results.storage import write_dataset
 from roughcontact.uncertainty.course import levelled_parts
@@ -52,7 +52,7 @@ def test_the_interval_holds_another_face_of_the_same_finish(worn):
     )
     assert options["distance"][0] == pytest.approx(float(worn["sliding_distance"][1]), rel=0.2)
     inside = []
-    for name in ANSWERS:
+    for name in WORN[:-1]:
         middle, lower, upper = (
             to_scale(name, worn[f"{name}{end}"].values) for end in ("", "_lower", "_upper")
         )
@@ -70,7 +70,7 @@ def test_the_coefficient_moves_the_distances_alone(worn):
     name = "running_in_distance"
     assert float(wider[f"{name}_lower"]) == pytest.approx(float(worn[f"{name}_lower"]) / 3)
     assert float(wider[f"{name}_upper"]) == pytest.approx(float(worn[f"{name}_upper"]) * 3)
-    for answer in ANSWERS:
+    for answer in WORN[:-1]:
         np.testing.assert_array_equal(wider[f"{answer}_upper"], worn[f"{answer}_upper"])
 
 

@@ -9,7 +9,7 @@ import roughcontact as rc
 from roughcontact.arguments.answers import AREA, FRICTION, GAP, PEAK
 from roughcontact.arguments.quantities import number
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.evaluation.sliding import ANSWERS, slid_in_a_run
+from roughcontact.evaluation.courses import SLID, slid_in_a_run
 from roughcontact.kernels.fourier import wavenumbers
 from roughcontact.report.courses import course_sections
 from roughcontact.results.storage import write_dataset
@@ -55,7 +55,7 @@ def test_the_interval_holds_other_faces_of_the_same_finish(slid):
         again = rc.sliding_friction(
             face(seed=seed), relaxation=table(), speed=SPEEDS, mean_pressure=LOAD, tolerance=1e-3
         )
-        for name in ANSWERS:
+        for name in SLID:
             middle, lower, upper = (
                 to_scale(name, slid[f"{name}{end}"].values) for end in ("", "_lower", "_upper")
             )
@@ -187,7 +187,7 @@ def test_the_interval_of_a_noisy_blurred_map_holds_what_it_is_without(slid, corr
             again[f"{FRICTION}_upper"] - again[f"{FRICTION}_lower"]
             > 1.05 * (alone[f"{FRICTION}_upper"] - alone[f"{FRICTION}_lower"])
         ).all()
-    for name in ANSWERS:
+    for name in SLID:
         assert (again[f"{name}_lower"] <= slid[name]).all(), name
         assert (slid[name] <= again[f"{name}_upper"]).all(), name
 

@@ -3,7 +3,7 @@
 from _job import save, snakemake
 from _window import window_as_measured
 
-from roughcontact.evaluation.sliding import slid_in_a_run
+from roughcontact.evaluation.courses import slid_in_a_run
 from roughcontact.results.storage import opened_dataset, read_dataset
 from roughcontact.surface.faces.placing import separate_overviews
 

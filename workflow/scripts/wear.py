@@ -3,7 +3,7 @@
 from _job import save, snakemake
 from _window import window_as_measured
 
-from roughcontact.evaluation.running_in import worn_in_a_run
+from roughcontact.evaluation.courses import worn_in_a_run
 from roughcontact.results.storage import opened_dataset, read_dataset
 
 paths, settings = snakemake.input, snakemake.params.settings["worn"]

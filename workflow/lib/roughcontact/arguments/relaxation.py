@@ -5,7 +5,7 @@ Storage and loss modulus of one linear material obey the relations of Kramers an
 a series, so that what a fit to both leaves over tells how far a table is from such a material.
 """
 
-import io
+import csv
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -26,8 +26,7 @@ from roughcontact.errors import SettingsError
 
 TERMS_PER_DECADE = 10
 MAX_MISFIT = 0.1  # rms, relative: beyond, E' and E'' are not those of one linear material
-_MAX_WARMING = 200.0  # K over the reference
-_SCALES = "both in °C or both in K"
+_MAX_WARMING = 200.0  # K over the reference: more is another scale
 RUBBER_RATIO = 0.5  # Poisson's, where none is stated
 # heading -> column, base unit, and what its units stand for: 1/s is Hz of f, and rad/s of omega
 _HEADINGS: dict[str, tuple[str, str, dict[str, str]]] = {
@@ -93,6 +92,10 @@ class Relaxation:
             compliance -= np.exp(-rate * time) / (rate * (moduli * poles / (poles - rate) ** 2).sum())
         return float(1 / compliance)
 
+    def stiffer(self, factor: float) -> "Relaxation":
+        """Return it with moduli `factor` times as large."""
+        return replace(self, long_time_modulus=factor * self.long_time_modulus, moduli=factor * self.moduli)
+
     def at_rest(self) -> float:
         """Return Young's modulus (Pa) at the lowest frequency that is known."""
         return float(self.contact_modulus(np.array(self.frequencies[0])).real * (1 - self.poissons_ratio**2))
@@ -107,6 +110,8 @@ def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> R
     >>> print(np.abs(rubber.contact_modulus(np.array([0.0, 1e9]))).round(-5) / 1e6)
     [ 4. 40.]
     """
+    if isinstance(relaxation, Relaxation):
+        return relaxation
     ratio = check_poissons_ratio("poissons_ratio", poissons_ratio)
     properties = dict(relaxation) if isinstance(relaxation, Mapping) else {"table": relaxation}
     if "table" in properties and (beside := [key for key in _SERIES if properties.get(key) is not None]):
@@ -158,18 +163,16 @@ def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
     [6.28, 3000000.0, 300000.0]
     """
     name = f" = {'the table' if isinstance(table, pd.DataFrame) else table}"
-    if not isinstance(table, str | Path | pd.DataFrame):
-        raise _refusal(f" = {table!r}: give a name, a table (path or DataFrame), or a mapping")
     if not isinstance(table, pd.DataFrame):
         try:
             table = _table_of_text(Path(table).read_text(encoding="utf-8-sig", errors="replace"))
-        except (OSError, ValueError, IndexError) as error:
+        except (OSError, TypeError, ValueError, IndexError) as error:
             raise _refusal(
-                f"{name}: not read as a table: {str(error).strip()}; by name there are "
-                f"{', '.join(compound_names())}"
+                f"{name}: not read as a table: {str(error).strip()}; give a table (path or DataFrame), a "
+                f"mapping, or a name: {', '.join(compound_names())}"
             ) from None
     columns = _columns(table, name)
-    if missing := [key for key in ("frequency", "storage_modulus", "loss_modulus") if key not in columns]:
+    if missing := [column for column, *_ in _HEADINGS.values() if column not in {*columns, "temperature"}]:
         raise _refusal(
             f"{name}: no column {missing[0]!r} among {[*map(str, table.columns)]}; name the columns "
             "frequency (Hz), storage_modulus (Pa), loss_modulus (Pa), or f, E', E'', with units"
@@ -195,10 +198,9 @@ def _columns(table: pd.DataFrame, name: str) -> dict[str, pd.Series]:
     headings: dict[str, Any] = {}
     for heading in table.columns:
         plain, unit = _plain_and_unit(heading)
-        role = next((role for pattern, role in _HEADINGS.items() if re.fullmatch(pattern, plain)), None)
-        if not role:
+        column, base, usual = _role(plain)
+        if not column:
             continue
-        column, base, usual = role
         factor = unit_factor(usual.get(unit, unit), base) if base else 1.0
         if factor is None:
             raise _refusal(f"{name}, column {heading!r}: {unknown_unit(unit, base)}")
@@ -223,10 +225,14 @@ def _columns(table: pd.DataFrame, name: str) -> dict[str, pd.Series]:
 
 def _plain_and_unit(heading: Any) -> tuple[str, str]:
     """Return what a column holds, and its unit, which stands after a bracket, a comma, a stroke or "in"."""
-    plain, *after = re.split(
-        r"\s*[\[(,/]\s*|\s+in\s+", str(heading).replace("_", " ").strip().lstrip('"'), maxsplit=1
-    )
-    return plain.replace("’", "'"), "".join(after).strip(" )]")
+    text = str(heading).replace("_", " ").replace("’", "'").strip().lstrip('"')
+    plain, *after = re.split(r"\s*[\[(,/]\s*|\s+in\s+", text, maxsplit=1)
+    return plain, "".join(after).strip(" )]")
+
+
+def _role(plain: str) -> tuple[str, str, dict[str, str]]:
+    """Return what `_HEADINGS` has of a heading without its unit, nothing of those that it does not have."""
+    return next((role for form, role in _HEADINGS.items() if re.fullmatch(form, plain)), ("", "", {}))
 
 
 def _table_of_text(text: str) -> pd.DataFrame:
@@ -235,22 +241,23 @@ def _table_of_text(text: str) -> pd.DataFrame:
     Lines above that of the headings are left out, and those that begin with #.
     """
     lines = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    frequency = "|".join(pattern for pattern, (column, *_) in _HEADINGS.items() if column == "frequency")
-    for index, line in enumerate(lines):
-        if any(
-            re.fullmatch(frequency, _plain_and_unit(cell)[0]) for cell in re.split(r"[\t;,]|\s{2,}", line)
-        ):
-            lines = lines[index:]
-            break
+
+    def has_frequency(line: str) -> bool:
+        return any(
+            _role(_plain_and_unit(cell)[0])[0] == "frequency" for cell in re.split(r"[\t;,]|\s{2,}", line)
+        )
+
+    lines = lines[next((index for index, line in enumerate(lines) if has_frequency(line)), 0) :]
     if not set("\t;,") & {*lines[0]}:
         lines = [re.sub(r"\s{2,}", "\t", line) for line in lines]
     separator = next((mark for mark in "\t;" if mark in lines[0]), ",")
-    if not re.search(r"\d", "".join(lines[1:2])):
-        pairs = zip(*(line.split(separator) for line in lines[:2]), strict=False)
-        lines[:2] = [separator.join(f"{heading} ({unit.strip(' []()')})" for heading, unit in pairs)]
-    # a comma is a decimal one where there is no point
-    decimal = "." if separator == "," or "." in "".join(lines[1:]) else ","
-    return pd.read_csv(io.StringIO("\n".join(lines)), sep=separator, decimal=decimal, skipinitialspace=True)
+    if separator != "," and "." not in "".join(lines[1:]):  # a comma is then a decimal one
+        lines[1:] = [line.replace(",", ".") for line in lines[1:]]
+    headings, *rows = csv.reader(lines, delimiter=separator, skipinitialspace=True)
+    if not re.search(r"\d", "".join(rows[0])):
+        pairs = zip(headings, rows.pop(0), strict=False)
+        headings = [f"{heading} ({unit.strip(' []()')})" for heading, unit in pairs]
+    return pd.DataFrame(rows, columns=headings).replace("", None)
 
 
 def _fitted(table: str | Path | pd.DataFrame, ratio: float) -> Relaxation:
@@ -272,14 +279,14 @@ def _fitted(table: str | Path | pd.DataFrame, ratio: float) -> Relaxation:
 
 def _series(properties: Mapping[str, Any], ratio: float) -> Relaxation:
     """Return a Prony series that is stated, or of the table of compounds, with the range of its data."""
-    numbers = []
+    numbers: dict[str, np.ndarray] = {}
     for key, unit in _SERIES.items():
         name = f"relaxation.{key}"
         if properties.get(key) is None:
             raise _refusal(f".{key}: missing from the Prony series")
         values = (convert_quantity(unit, name, number) for number in np.ravel(properties[key]).tolist())
-        numbers.append(np.array([check_positive(name, value, unit=unit) for value in values]))
-    plateau, moduli, times = numbers
+        numbers[key] = np.array([check_positive(name, value, unit=unit) for value in values])
+    plateau, moduli, times = numbers.values()
     if moduli.size != times.size:
         raise _refusal(f": {moduli.size} moduli and {times.size} times; give a time for each modulus")
     low, high = properties.get("frequencies", (0.0, np.inf))
@@ -297,8 +304,8 @@ def _shift(properties: Mapping[str, Any]) -> float:
         return 1.0
     if len(given_keys) < len(keys) or np.shape(properties["wlf"]) != (2,):
         raise _refusal(
-            ": another temperature needs wlf = [C1, C2 (K)], reference_temperature and "
-            f"temperature, {_SCALES}; given: {', '.join(given_keys)}"
+            ": another temperature needs wlf = [C1, C2 (K)], reference_temperature and temperature, both in "
+            f"°C or both in K; given: {', '.join(given_keys)}"
         )
     try:
         c1, c2 = map(float, properties["wlf"])
@@ -306,17 +313,13 @@ def _shift(properties: Mapping[str, Any]) -> float:
     except (TypeError, ValueError) as error:
         text = ", ".join(f"{key} = {properties[key]!r}" for key in keys)
         raise _refusal(f": {text}: {error}") from None
-    # a scale that is not that of the reference is 273 off
-    if difference > _MAX_WARMING:
+    if not -c2 < difference <= _MAX_WARMING:
+        side = "above" if difference > 0 else "below"
         raise _refusal(
-            f".temperature is {difference:g} K above its reference, and the law of Williams, Landel and "
-            f"Ferry holds over about 100 K; give {_SCALES}, or each with its own (20 °C, 293 K); without a "
-            "scale it is that of the reference, °C of a rubber by its name"
-        )
-    if c2 + difference <= 0:
-        raise _refusal(
-            f".temperature is {-difference:g} K below its reference, where the law of Williams, Landel and "
-            f"Ferry ends, at {c2:g} K"
+            f".temperature is {abs(difference):g} K {side} its reference, and "
+            f"the law of Williams, Landel and Ferry holds over about 100 K, and ends {c2:g} K below it; give "
+            "both in °C or both in K, or each with its own (20 °C, 293 K); without a scale it is that of the "
+            "reference, °C of a rubber by its name"
         )
     return float(10 ** (-c1 * difference / (c2 + difference)))
 

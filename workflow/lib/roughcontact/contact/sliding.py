@@ -26,13 +26,14 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.maps import spacing
 from roughcontact.contact.certificate import error_bound
 from roughcontact.contact.dataset import FieldsInUnits, fields_in_units, unit_of_pressure
 from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import Solution
-from roughcontact.contact.problem import Problem, nondimensionalise
-from roughcontact.contact.solve import periodic_solutions
+from roughcontact.contact.problem import nondimensionalise
+from roughcontact.contact.solve import contact_from
 from roughcontact.kernels.arrays import DOUBLE
 from roughcontact.kernels.fourier import halfplane_weights, wavenumbers, wavevectors
 from roughcontact.kernels.waves import wave_power
@@ -69,21 +70,23 @@ def sliding_contact(
     Its `velocity` is (vx, vy; m/s), `load` the mean pressure (Pa), `start` the pressure (ny, nx; Pa) of a
     similar contact. The caller compares `error_bound` with the tolerance: it ends after `MAX_CONTACTS`.
     """
-    problem = nondimensionalise(window, threads=threads)
-    heights, sides = window.values, problem.lengths_in_metres
+    heights, steps = window.values, spacing(window)
+    sides = np.multiply(heights.shape, steps)
+    unit_length = math.sqrt(math.prod(sides))
 
     @cache
     def symbols(ny: int, nx: int) -> tuple[np.ndarray, np.ndarray]:
         return _symbols((ny, nx), (sides[0] / ny, sides[1] / nx), compliance, velocity)
 
     symbol, loss = symbols(*heights.shape)
+    size, storage = np.abs(symbol), symbol.real
     # any unit would do: that of a typical wave keeps the numbers near 1
-    modulus = float(2 / np.median((wavenumbers(heights.shape, problem.spacing) * abs(symbol)).ravel()[1:]))
+    modulus = float(2 / np.median((wavenumbers(heights.shape, steps) * size).ravel()[1:]))
 
     def elastic(part: Callable[[np.ndarray], np.ndarray]) -> Elasticity:
-        def influence(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
-            shape = (round(side / step) for side, step in zip(problem.lengths, spacing, strict=True))
-            values = (modulus / problem.unit_length * part(symbols(*shape)[0])).astype(qx.dtype)
+        def influence(qy: np.ndarray, qx: np.ndarray, steps: tuple[float, float]) -> np.ndarray:
+            shape = np.round(sides / unit_length / steps).astype(int)
+            values = (modulus / unit_length * part(symbols(*shape)[0])).astype(qx.dtype)
             values[0, 0] = np.inf  # the mean, which no operator uses
             return values
 
@@ -92,31 +95,20 @@ def sliding_contact(
     def applied(factor: np.ndarray, field: np.ndarray) -> np.ndarray:
         return np.fft.irfft2(factor * np.fft.rfft2(field), s=field.shape)
 
-    def posed(heights: np.ndarray) -> tuple[Problem, float]:
-        dimensionless = nondimensionalise(window.copy(data=heights), threads=threads)
-        return dimensionless, unit_of_pressure(dimensionless, modulus)
-
-    size, storage = np.abs(symbol), symbol.real
     typical, stiff = elastic(np.abs), elastic(np.real)
     reflection = np.divide(size - symbol, size + symbol, out=np.zeros_like(symbol), where=size > 0)
     pressure = np.full(heights.shape, load) if start is None else start
     level = heights + applied(size - symbol, pressure)
-    bound, contacts = math.inf, 0
+    bound, contacts, aim = math.inf, 0, FIRST
     while bound > tolerance and contacts < MAX_CONTACTS:
-        if contacts > 0:
-            level = heights + applied(reflection, 2 * applied(size, pressure) - level + heights)
-        elastic_problem, unit = posed(level)
-        aim = max(INNER * min(bound, 1.0), INNER * tolerance) if contacts > 0 else FIRST
-        solutions = periodic_solutions(
-            elastic_problem,
-            [load],
-            typical,
-            tolerance=aim,
-            start=None if start is None else start / unit,
-            threads=threads,
+        face = window.copy(data=level)
+        contact = contact_from(face, typical, start, load=load, tolerance=aim, threads=threads)
+        start = pressure = contact["pressure"].values[0]
+        level = heights + applied(reflection, 2 * applied(size, pressure) - level + heights)
+        certified = nondimensionalise(
+            window.copy(data=heights + applied(storage - symbol, pressure)), threads=threads
         )
-        start = pressure = np.array(next(solutions)[0].pressure)
-        certified, unit = posed(heights + applied(storage - symbol, pressure))
+        unit = unit_of_pressure(certified, modulus)
         grid = Grid(
             certified.heights,
             certified.lengths,
@@ -127,7 +119,7 @@ def sliding_contact(
         )
         state = grid.evaluate(pressure / unit)[0]
         bound = error_bound(grid, state, grid.residual(state, precision=DOUBLE))
-        contacts += 1
+        aim, contacts = INNER * max(min(bound, 1.0), tolerance), contacts + 1
     power = halfplane_weights(heights.shape) * wave_power(pressure)
     friction_of_waves = power * loss / load
     dissipated = np.divide(loss, storage, out=np.zeros_like(loss), where=storage > 0)

@@ -303,6 +303,27 @@ def periodic_solutions(
         yield in_units(next(solutions), load)
 
 
+def contact_from(
+    height: xr.DataArray,
+    material: Elasticity,
+    start: np.ndarray | None,
+    *,
+    load: float,
+    tolerance: float,
+    zero_frequency: choices.ZeroFrequency = "zero",
+    threads: int,
+) -> xr.Dataset:
+    """Return the contact of a periodic map at a load (Pa), from a similar pressure (ny, nx; Pa) to start."""
+    problem = nondimensionalise(height, threads=threads)
+    guess = None if start is None else start / unit_of_pressure(problem, material.modulus)
+    options: dict[str, Any] = {"tolerance": tolerance, "zero_frequency": zero_frequency}
+    found = next(periodic_solutions(problem, [load], material, start=guess, threads=threads, **options))
+    loads = {"mean_pressure": load}
+    return load_result(
+        *found, problem=problem, window=height, loads=loads, elasticity=material, attrs=options
+    )
+
+
 def _check_periodic(
     problem: Problem,
     loads: Sequence[float],

@@ -31,12 +31,9 @@ from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.si import as_si
 from roughcontact.arguments.stacks import top_material
 from roughcontact.arguments.variables import describe
-from roughcontact.contact.dataset import load_result, unit_of_pressure
 from roughcontact.contact.elasticity.energy import elastic_energy
 from roughcontact.contact.elasticity.influence import Elasticity
-from roughcontact.contact.loads import check_loads
-from roughcontact.contact.problem import nondimensionalise
-from roughcontact.contact.solve import elasticity, periodic_solutions, solve_contact
+from roughcontact.contact.solve import contact_from, elasticity, solve_contact
 from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.statistics.contact_statistics import contact_statistics
@@ -55,19 +52,11 @@ class _Worn(NamedTuple):
 
     distance: float
     contact: xr.Dataset  # at one load
+    height: xr.DataArray  # m
+    pressure: np.ndarray  # (ny, nx; Pa)
     energy: float  # upper bound of Phi, Pa m
     missing: float  # upper bound of the error of the pressure in the norm of G, (Pa m)^(1/2)
     squared_error: float = 0.0  # bound of the mean square of the error of the heights, m2
-
-    @property
-    def height(self) -> xr.DataArray:
-        """The face (m)."""
-        return self.contact["height"]
-
-    @property
-    def pressure(self) -> np.ndarray:
-        """The pressure on it (ny, nx; Pa)."""
-        return self.contact["pressure"].values[0]
 
 
 @as_si
@@ -154,9 +143,22 @@ def run_in(
     >>> worn["worn_volume"].values.round(6), worn["relative_contact_area"].values.round(2)
     (array([0.  , 0.02]), array([0.34, 0.86]))
     """
-    _check_faces(window, wear_coefficient)
+    if reason := facts_of(window.attrs).reason_against("run_in", properties_of_map(window.attrs)):
+        raise SettingsError(reason)
+    if np.ndim(wear_coefficient) > 0:
+        raise SettingsError(
+            f"wear_coefficient = {wear_coefficient!r}: give one, of the rough face; the smooth counterface "
+            "is worn evenly by all of the face that slides over it, and stays smooth",
+            keys=["wear_coefficient"],
+        )
     wear = check_positive("wear_coefficient", wear_coefficient, unit="1/Pa")
-    distances = _check_distances(sliding_distance)
+    given = np.ravel(np.asarray(sliding_distance, dtype=object)).tolist()
+    distances = [0.0 if d == 0 else check_positive("sliding_distance", d, unit="m") for d in given]
+    if not distances or any(later <= earlier for earlier, later in pairwise(distances)):
+        raise SettingsError(
+            f"sliding_distance = {given}: give one or more, each once, in rising order, from 0 on",
+            keys=["sliding_distance"],
+        )
     if not tolerance > 0:
         raise SettingsError(f"tolerance = {tolerance:g}: give a number above 0, of the rms height")
     load = check_positive("mean_pressure", mean_pressure, unit="Pa")
@@ -166,24 +168,39 @@ def run_in(
     window = own_parameters(window)
     first = solve_contact(window, **options, mean_pressure=load, tolerance=solver_tolerance, threads=threads)
     faces = worn_faces(first, elasticity(**options), wear, distances, tolerance=tolerance, threads=threads)
-    checked_bodies = check_bodies(bodies) if bodies else []  # either may have the face
-    layers = [top_material(body).get("thickness", math.inf) for body in checked_bodies]
+    # either body may have the face
+    layers = (
+        [top_material(body).get("thickness", math.inf) for body in check_bodies(bodies)] if bodies else []
+    )
     thinnest = min(layers, default=math.inf)
-    rows, course = [], []
+    rows, areas = [], {}
     for steps, worn in enumerate(faces):
-        if (lost := float((first["height"].values - worn.height.values).max())) >= thinnest:
+        depth = first["height"].values - worn.height.values
+        if (lost := float(depth.max())) >= thinnest:
             which = ("first", "second")[layers.index(thinnest)]
             raise SettingsError(
                 f"sliding_distance: after {worn.distance:g} m the face has lost {lost:g} m, and the "
                 f"outermost layer of the {which} body is {thinnest:g} m thick; give shorter distances",
                 keys=["sliding_distance"],
             )
-        course.append((worn.distance, relative_contact_area(worn.pressure > 0)))
-        if worn.distance in distances:
-            numbers = _numbers(worn, first, {"bodies": bodies} | dict(statistics or {}))
-            rows.append(numbers.assign(wear_steps=steps))
+        areas[worn.distance] = relative_contact_area(worn.pressure > 0)
+        if worn.distance not in distances:
+            continue
+        contact = worn.contact.assign_attrs(first.attrs)
+        counted = contact_statistics(contact, **{"bodies": bodies, **(statistics or {})}).isel(load=0)
+        numbers = counted[[name for name, variable in counted.variables.items() if not variable.dims]]
+        rows.append(
+            numbers.reset_coords(drop=True).assign(
+                height=worn.height.drop_attrs(),
+                worn_volume=float(depth.mean()),
+                max_worn_depth=lost,
+                time_error_bound=math.sqrt(worn.squared_error),
+                wear_steps=steps,
+            )
+        )
     along = xr.concat(rows, xr.Variable("sliding_distance", distances))
-    return describe(along.assign(running_in_distance=running_in_distance(*np.transpose(course))))
+    settled = running_in_distance(np.array([*areas]), np.array([*areas.values()]))
+    return describe(along.assign(running_in_distance=settled))
 
 
 def worn_faces(
@@ -208,8 +225,9 @@ def worn_faces(
     _Worn
         whose distances rise from 0.
     """
-    solve = partial(_solved, like=contact, threads=threads)
-    worn = _Worn(0.0, contact, *_bounds(contact, material))
+    options = {key: contact.attrs[key] for key in ("tolerance", "zero_frequency")}
+    solve = partial(contact_from, load=contact["mean_pressure"].item(), threads=threads, **options)
+    worn = _worn(0.0, contact, material)
     yield worn
     rms_height, spread = float(worn.height.std()), float(worn.pressure.std())
     is_flat = rms_height <= _ROUNDING * float(abs(worn.height).max())  # and is worn evenly by any step
@@ -246,49 +264,37 @@ def _step(
     """Return the face after an implicit step (m) of Archard's law."""
     depth = wear * step  # by pressure, m/Pa
     series = replace(material, foundation=depth * material.modulus)
-    pressure = solve(worn.height, series, start=worn.pressure)["pressure"].values[0]
+    pressure = solve(worn.height, series, worn.pressure)["pressure"].values[0]
     lost = depth * pressure
-    contact = solve(worn.height - lost, material, start=pressure)
-    height, (energy, missing) = contact["height"], _bounds(contact, material)
+    after = _worn(worn.distance + step, solve(worn.height - lost, material, pressure), material)
     # whatever the solver left open, the pressure of the step is a subgradient of Phi at h' up to the
     # difference of Phi and its own energy, and that counts twice: as an error of the step, and in D
-    own_energy = _work(pressure, height) - _norm(pressure, height, material) ** 2 / 2
-    change = _norm(worn.pressure - pressure, height, material) - worn.missing
-    change -= math.sqrt(2 * max(energy - own_energy, 0.0))
-    growth = depth * (worn.energy + energy - 2 * own_energy - CONVEXITY * max(change, 0.0) ** 2)
-    squared_error = worn.squared_error + max(growth - float(np.var(lost)), 0.0)
-    return _Worn(worn.distance + step, contact, energy, missing, squared_error)
+    own_energy, _ = _energy(pressure, after.height, material)
+    change = _norm(worn.pressure - pressure, after.height, material) - worn.missing
+    change -= math.sqrt(2 * max(after.energy - own_energy, 0.0))
+    growth = depth * (worn.energy + after.energy - 2 * own_energy - CONVEXITY * max(change, 0.0) ** 2)
+    return after._replace(squared_error=worn.squared_error + max(growth - float(np.var(lost)), 0.0))
 
 
-def _solved(
-    height: xr.DataArray, material: Elasticity, *, start: np.ndarray, like: xr.Dataset, threads: int
-) -> xr.Dataset:
-    """Return the contact of a face at the load of another one, from the pressure (Pa) of a similar one."""
-    problem, load = nondimensionalise(height, threads=threads), like["mean_pressure"].item()
-    options = {key: like.attrs[key] for key in ("tolerance", "zero_frequency")}
-    guess = start / unit_of_pressure(problem, material.modulus)
-    found = periodic_solutions(problem, [load], material, start=guess, threads=threads, **options)
-    return load_result(
-        *next(found),
-        problem=problem,
-        window=height,
-        loads={"mean_pressure": load},
-        elasticity=material,
-        attrs=like.attrs,
-    )
+def _worn(distance: float, contact: xr.Dataset, material: Elasticity) -> _Worn:
+    """Return the face of a contact after a distance (m)."""
+    height, pressure = contact["height"], contact["pressure"].values[0]
+    bounds = _energy(pressure, height, material, contact["error_bound"].item())
+    return _Worn(distance, contact, height, pressure, *bounds)
 
 
-def _bounds(contact: xr.Dataset, material: Elasticity) -> tuple[float, float]:
-    """Return upper bounds of Phi (Pa m) of a face, and of the error of its pressure in the norm of G."""
-    pressure, height = contact["pressure"].values[0], contact["height"]
+def _energy(
+    pressure: np.ndarray, height: xr.DataArray, material: Elasticity, error: float = 0.0
+) -> tuple[float, float]:
+    """Return an upper bound of Phi (Pa m) by a pressure of this relative error, and that in the norm of G.
+
+    Without an error it is the energy of the pressure itself.
+    """
+    # both about their means: what all points lose alike is no error of a step
+    work = np.mean((pressure - pressure.mean()) * (height.values - height.values.mean()))
     size = _norm(pressure, height, material)
-    missing = contact["error_bound"].item() * size
-    return _work(pressure, height) - (size**2 - missing**2) / 2, missing
-
-
-def _work(pressure: np.ndarray, height: xr.DataArray) -> float:
-    """Return <p, h> (Pa m), both about their means: what all points lose alike is no error of a step."""
-    return float(np.mean((pressure - pressure.mean()) * (height.values - height.values.mean())))
+    missing = error * size
+    return float(work) - (size**2 - missing**2) / 2, missing
 
 
 def _norm(pressure: np.ndarray, height: xr.DataArray, material: Elasticity) -> float:
@@ -322,41 +328,3 @@ def running_in_distance(distances: np.ndarray, areas: np.ndarray) -> float:
         return 0.0
     last = slice(growing[-1], growing[-1] + 2)
     return float(np.exp(np.interp(0.0, -excess[last], starts[last]))) if excess[-1] < 0 else math.nan
-
-
-def _numbers(worn: _Worn, first: xr.Dataset, settings: Mapping[str, Any]) -> xr.Dataset:
-    """Return the face, how far it is worn since the `first` contact, and the numbers of its own."""
-    counted = contact_statistics(worn.contact, **settings).isel(load=0)
-    numbers = counted[[name for name, variable in counted.variables.items() if not variable.dims]]
-    depth = first["height"].values - worn.height.values
-    return numbers.reset_coords(drop=True).assign(
-        height=worn.height.drop_attrs(),
-        worn_volume=float(depth.mean()),
-        max_worn_depth=float(depth.max()),
-        time_error_bound=math.sqrt(worn.squared_error),
-    )
-
-
-def _check_faces(window: xr.DataArray, wear_coefficient: Any) -> None:
-    """Raise SettingsError for a map of two rough faces, or wear of the counterface."""
-    if reason := facts_of(window.attrs).reason_against("run_in", properties_of_map(window.attrs)):
-        raise SettingsError(reason)
-    if np.ndim(wear_coefficient) > 0:
-        raise SettingsError(
-            f"wear_coefficient = {wear_coefficient!r}: give one, of the rough face; the smooth counterface "
-            "is worn evenly by all of the face that slides over it, and stays smooth",
-            keys=["wear_coefficient"],
-        )
-
-
-def _check_distances(sliding_distance: Any) -> list[float]:
-    """Return the sliding distances (m) as a rising list, whose first may be 0."""
-    given = np.ravel(np.asarray(sliding_distance, dtype=object)).tolist()
-    later = given[1:] if given[:1] == [0] else given  # 0: the face as it is
-    distances = [] if given == [0] else check_loads("sliding_distance", later, unit="m")
-    if any(b <= a for a, b in pairwise(distances)):
-        raise SettingsError(
-            f"sliding_distance = {given}: give each distance once, in rising order, from 0 on",
-            keys=["sliding_distance"],
-        )
-    return [0.0] * (len(given) - len(later)) + distances

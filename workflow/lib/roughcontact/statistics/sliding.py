@@ -27,8 +27,8 @@ from roughcontact.statistics.instrument_checks import shortest_measured_wave
 from roughcontact.statistics.sealing.flow import flow_columns, leak_columns
 from roughcontact.statistics.sealing.percolation import percolation_columns
 
-BOTH_WAYS = (0.0, 180.0)  # degree
-_BY_AREA = "adhesive_friction_coefficient"
+_WAYS = {"both ways": (0.0, 180.0)}  # words -> degree
+BY_AREA = "adhesive_friction_coefficient"
 _ALIKE: dict[str, Any] = {"coords": "minimal", "compat": "override"}  # of courses over one window
 
 
@@ -131,31 +131,19 @@ def sliding_friction(
     problem, window = nondimensionalise(window, threads=threads), copy_to_host(window)
     warn_of_map(window.shape, problem.gradient)
     warn_of_seams(window, problem.gradient, stacklevel=4)
-    ways = _directions(direction)
-
-    def numbers_of(contact: SlidingContact, velocity: tuple[float, float], speed: float) -> xr.Dataset:
-        """Return the numbers of a contact by name, with its maps where they are asked for."""
-        row = _numbers(contact, window, rubber, velocity, load)
-        pressure, gap = contact.fields.pressure, contact.fields.gap
-        maps = xr.Dataset(
-            {"pressure": (("y", "x"), pressure.copy()), "gap": (("y", "x"), gap)}, window.coords
+    try:
+        ways = (
+            np.array(_WAYS.get(direction, direction) if isinstance(direction, str) else direction, float)
+            .ravel()
+            .tolist()
         )
-        if seal is not None:
-            gap_outside = np.where(pressure > 0, 0.0, gap)
-            flow = flow_columns(gap_outside, spacing(window)) | percolation_columns(gap_outside)
-            row |= {name: float(leak) for name, leak in leak_columns(row[GAP], flow, **seal).items()}
-        if strength is not None:
-            row[_BY_AREA] = strength * row[AREA] / load
-        if thermal_conductivity is not None:
-            warm = flash_temperature(
-                maps.expand_dims("load").assign(height=window),
-                friction_coefficient=contact.friction + row.get(_BY_AREA, 0.0),
-                speed=speed,
-                thermal_conductivity=thermal_conductivity,
-            )
-            row["max_flash_temperature"] = warm["max_flash_temperature"].item()
-        return maps.assign(row) if fields else xr.Dataset(row)
-
+    except (TypeError, ValueError):
+        ways = []
+    if not ways or not np.isfinite(ways).all() or len({*ways}) < len(ways):
+        raise SettingsError(
+            f"direction = {direction!r}: give an angle (degree), several unlike ones, or 'both ways'",
+            keys=["direction"],
+        )
     courses = []
     for way in ways:
         path, start, rows = np.exp(1j * math.radians(way)).round(15), None, []  # along an axis exactly
@@ -169,8 +157,26 @@ def sliding_friction(
                     f"speed {each:g} m/s: the error bound stopped at {contact.error_bound:.2g} after "
                     f"{contact.contacts} contacts, above the tolerance {accuracy:g}; raise it"
                 )
-            start = contact.fields.pressure
-            rows.append(numbers_of(contact, velocity, each))
+            start, gap = contact.fields.pressure, contact.fields.gap
+            maps = xr.Dataset(
+                {"pressure": (("y", "x"), start.copy()), "gap": (("y", "x"), gap)}, window.coords
+            )
+            row = _numbers(contact, window, rubber, velocity, load)
+            if seal is not None:
+                open_gap = np.where(start > 0, 0.0, gap)
+                passage = flow_columns(open_gap, spacing(window)) | percolation_columns(open_gap)
+                row |= {name: float(leak) for name, leak in leak_columns(row[GAP], passage, **seal).items()}
+            if strength is not None:
+                row[BY_AREA] = strength * row[AREA] / load
+            if thermal_conductivity is not None:
+                warm = flash_temperature(
+                    maps.expand_dims("load").assign(height=window),
+                    friction_coefficient=contact.friction + row.get(BY_AREA, 0.0),
+                    speed=each,
+                    thermal_conductivity=thermal_conductivity,
+                )
+                row["max_flash_temperature"] = warm["max_flash_temperature"].item()
+            rows.append(maps.assign(row) if fields else xr.Dataset(row))
         courses.append(xr.concat(rows, xr.Variable("speed", speeds), **_ALIKE))
     over = xr.concat(courses, xr.Variable("direction", ways), **_ALIKE)
     over["octave_wavelength"] = "octave", 2 * max(spacing(window)) * 2.0 ** np.arange(over.sizes["octave"])
@@ -178,21 +184,6 @@ def sliding_friction(
     attributes = {"relaxation_misfit": rubber.misfit, "tolerance": accuracy}
     over = over.assign_coords(mean_pressure=load).assign_attrs(attributes)
     return describe(over if len(ways) > 1 else over.squeeze("direction"))
-
-
-def _directions(direction: Any) -> list[float]:
-    """Return the angles (degree) of one direction, several, or both ways."""
-    ways = BOTH_WAYS if isinstance(direction, str) and direction == "both ways" else direction
-    try:
-        angles = np.array(ways, float).ravel().tolist()
-    except (TypeError, ValueError):
-        angles = []
-    if not angles or not np.isfinite(angles).all() or len({*angles}) < len(angles):
-        raise SettingsError(
-            f"direction = {direction!r}: give an angle (degree), several unlike ones, or 'both ways'",
-            keys=["direction"],
-        )
-    return angles
 
 
 def _numbers(
@@ -206,16 +197,15 @@ def _numbers(
     pressure, steps = contact.fields.pressure, spacing(window)
     touching = pressure > 0
     qy, qx = wavevectors(window.shape, steps)
-    length, frequency = wavenumbers(window.shape, steps), np.abs(velocity[0] * qx + velocity[1] * qy)
-    friction = contact.friction
-    share_of_waves = contact.friction_of_waves / (friction or 1.0)
+    length, frequency = np.hypot(qy, qx), np.abs(velocity[0] * qx + velocity[1] * qy)
+    share_of_waves = contact.friction_of_waves / (contact.friction or 1.0)
+    length[0, 0] = np.pi / max(steps)  # the mean has no share
     # octaves of wavelengths from two pixels on; the few shorter waves, oblique ones, count to the first
-    shortest = np.divide(np.pi / max(steps), length, out=np.ones_like(length), where=length > 0)
-    octave = np.maximum(0, np.ceil(np.log2(shortest) - 1e-9)).astype(int)
+    octave = np.maximum(0, np.ceil(np.log2(np.pi / max(steps) / length) - 1e-9)).astype(int)
     last_octave = 2 * shortest_measured_wave(window) * (1 + 1e-9)
     outside_table = (frequency < rubber.frequencies[0]) | (frequency > rubber.frequencies[1])
     return {
-        FRICTION: friction,
+        FRICTION: contact.friction,
         "hysteretic_friction_bound": contact.friction_bound,
         "error_bound": contact.error_bound,
         "contacts_solved": contact.contacts,

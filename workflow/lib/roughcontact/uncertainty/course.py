@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,17 +17,10 @@ from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.surface.window.periodic_window import subwindow
 from roughcontact.surface.window.transfer import undone
-from roughcontact.uncertainty.combination import (
-    Component,
-    Components,
-    half_widths,
-    interval_bounds,
-    one_sided,
-    sum_of_causes,
-    symmetric,
-)
+from roughcontact.uncertainty import combination
+from roughcontact.uncertainty.combination import Component, Components, half_widths, symmetric
 from roughcontact.uncertainty.ensemble import Result
-from roughcontact.uncertainty.inputs import AMPLIFICATIONS, INPUTS, amplified
+from roughcontact.uncertainty.inputs import AMPLIFICATIONS, INPUTS, amplified, varied
 from roughcontact.uncertainty.instrument import instrument_components
 from roughcontact.uncertainty.overview import own_place, windows_of_places
 from roughcontact.uncertainty.random_effects import student
@@ -35,16 +29,16 @@ from roughcontact.uncertainty.subwindows import divided, relevelled
 
 MAX_PARTS = 9
 
-Run = Callable[..., xr.Dataset]  # the course on a window, with inputs, by their names, so many times as large
+Run = partial[xr.Dataset]  # the course on a window, whose arguments, by their names, may be replaced
 
 
-def with_ends(course: xr.Dataset, names: Sequence[str], causes: Iterable[Components]) -> xr.Dataset:
-    """Return a course with both ends of these answers, by the independent causes of their ±."""
-    columns: dict[str, tuple] = {}
-    for name, total in sum_of_causes(causes).items():
-        bounds = interval_bounds(name, to_scale(name, course[name].values), total)
-        columns |= {f"{name}{k}": (course[name].dims, end) for k, end in zip(ENDS[1:], bounds, strict=True)}
-    return course.assign(columns)
+def with_ends(course: xr.Dataset, causes: Iterable[Components]) -> xr.Dataset:
+    """Return a course with both ends of its answers, by the independent causes of their ±."""
+    for name, total in combination.sum_of_causes(causes).items():
+        bounds = combination.interval_bounds(name, to_scale(name, course[name].values), total)
+        for end, bound in zip(ENDS[1:], bounds, strict=True):
+            course = course.assign({f"{name}{end}": (course[name].dims, bound)})
+    return course
 
 
 def levelled_parts(window: xr.DataArray) -> list[xr.DataArray]:
@@ -63,6 +57,12 @@ def on_scales(course: xr.Dataset, names: Iterable[str]) -> xr.Dataset:
 def components_of(form: Callable[[np.ndarray], Component], changes: xr.Dataset) -> Components:
     """Return the components of this form of all answers, from their changes on the scales."""
     return {str(name): form(change.values) for name, change in changes.items()}
+
+
+def scatter_of_mean(members: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Return the half-width of the mean of members, on the scales, by Student's t."""
+    factor = float(student(np.array(len(members) - 1))) / math.sqrt(len(members))
+    return factor * xr.concat(members, "member").std("member", ddof=1, skipna=False)
 
 
 def causes_of_parts(
@@ -86,8 +86,7 @@ def causes_of_parts(
     window : DataArray (y, x; m)
         the face.
     run : callable
-        the course on another window, with inputs by their names (`uncertainty.inputs`) as factors of what is
-        stated.
+        the course on another window.
     names : sequence of str
         the answers.
     settings : mapping
@@ -95,38 +94,41 @@ def causes_of_parts(
     as_measured : DataArray, optional
         the window before a correction for the instrument.
     inputs : iterable of str
-        those of which `run` takes a factor.
+        those that count (`uncertainty.inputs`).
     """
-    cut = levelled_parts(window)
-    part, instrument = cut[0], stated_instrument(window, settings["instrument"])
-    courses = [run(each) for each in cut]
-    on_part, *on_others = (on_scales(course, names) for course in courses)
-    finer = on_scales(run(refined(part, 2)), names)
-    causes = [components_of(symmetric, 2 * abs(finer - on_part))]
-    if on_others:
-        factor = float(student(np.array(float(len(on_others)))))
-        scatter = factor * xr.concat([on_part, *on_others], "part").std("part", ddof=1, skipna=False)
+    parts = levelled_parts(window)
+    part, instrument = parts[0], stated_instrument(window, settings["instrument"])
+    courses = [run(each) for each in parts]
+    on_parts = [on_scales(course, names) for course in courses]
+    causes = [components_of(symmetric, 2 * abs(on_scales(run(refined(part, 2)), names) - on_parts[0]))]
+    if len(parts) > 1:
+        scatter = scatter_of_mean(on_parts)
         # the largest pressure is that of one part, and scatters as in one; all others are means
-        means = scatter.drop_vars(PEAK) / math.sqrt(len(courses))
-        causes.append(components_of(symmetric, scatter[[PEAK]].merge(means)))
+        causes.append(components_of(symmetric, scatter.assign({PEAK: math.sqrt(len(parts)) * scatter[PEAK]})))
 
-    def solve(other: xr.DataArray, *_: Any, **__: Any) -> dict[str, np.ndarray]:
-        course = run(other)
+    def values_of(course: xr.Dataset) -> dict[str, np.ndarray]:
         return {name: course[name].values for name in names}
 
-    values = {name: courses[0][name].values for name in names}
-    result = Result(part, {"mean_pressure": np.nan}, values, solve)
+    def solve(face: xr.DataArray, *_: Any, **__: Any) -> dict[str, np.ndarray]:
+        return values_of(run(face))
+
+    result = Result(part, {"mean_pressure": np.nan}, values_of(courses[0]), solve)
     measured_part = None if as_measured is None else levelled_parts(as_measured)[0]
     causes += instrument_components(result, instrument, measured_part, undone(part, instrument))[0]
     for key in inputs:
-        low, high = ends(1.0, settings["contact"].get(name_of_range(key)) or instrument.get(key))
-        if low < high:
-            at_ends = (
-                run(amplified(part, key, factor)) if key in AMPLIFICATIONS else run(part, **{key: factor})
-                for factor in (low, high)
-            )
-            changes = xr.concat([on_part, *(on_scales(course, names) for course in at_ends)], "end") - on_part
-            causes.append(components_of(lambda c: half_widths(-c.min(axis=0), c.max(axis=0)), changes))
+        factors = ends(1.0, settings["contact"].get(name_of_range(key)) or instrument.get(key))
+        if factors[0] == factors[1]:
+            continue
+        if key in AMPLIFICATIONS:
+            at_ends = [run(amplified(part, key, factor)) for factor in factors]
+        else:
+            at_ends = [run(part, **varied(run.keywords, key, factor)) for factor in factors]
+        both = (
+            xr.concat([on_parts[0], *(on_scales(course, names) for course in at_ends)], "end") - on_parts[0]
+        )
+        causes.append(
+            components_of(lambda change: half_widths(-change.min(axis=0), change.max(axis=0)), both)
+        )
     return causes
 
 
@@ -147,14 +149,11 @@ def causes_of_places(
     own, _ = own_place(fine, overview, overviews)
     pieces = [own, *(overview.isel(place) for place in windows_of_places(own.shape, overview))]
     windows = [subwindow(relevelled(piece, form_order(fine))) for piece in pieces]
-    touching = rms_gradient(windows[0]) / rms_gradient(window)
-    of_map, *of_places = (
-        on_scales(run(piece, mean_pressure=touching), [name for name in names if name != PEAK])
-        for piece in windows
-    )
-    factor = float(student(np.array(len(of_places) - 1.0))) / math.sqrt(len(of_places))
-    changes = xr.concat(of_places, "place") - of_map
+    touching = run.keywords["mean_pressure"] * (rms_gradient(windows[0]) / rms_gradient(window))
+    without_peak = [name for name in names if name != PEAK]
+    of_map, *of_places = (on_scales(run(piece, mean_pressure=touching), without_peak) for piece in windows)
+    changes = [of_place - of_map for of_place in of_places]
     return [
-        components_of(one_sided, changes.mean("place", skipna=False)),
-        components_of(symmetric, factor * changes.std("place", ddof=1, skipna=False)),
+        components_of(combination.one_sided, xr.concat(changes, "place").mean("place", skipna=False)),
+        components_of(symmetric, scatter_of_mean(changes)),
     ]

@@ -14,6 +14,7 @@ import xarray as xr
 
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.ranges import Shares, ends
+from roughcontact.arguments.relaxation import Relaxation
 from roughcontact.contact.solve import NEAR_HARDNESS
 from roughcontact.errors import SettingsError
 from roughcontact.uncertainty.combination import Component, Components, component_from_units, half_widths
@@ -23,6 +24,7 @@ from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, PEAK, PRESSURE
 
 AMPLIFICATIONS = ("amplification_z", "amplification_xy")
 _LOAD, _MODULUS, _HEIGHTS, HARDNESS = "mean_pressure", "contact_modulus", AMPLIFICATIONS[0], "hardness"
+_MODULI = (_MODULUS, "youngs_modulus")
 INPUTS = (_LOAD, _MODULUS, *AMPLIFICATIONS, HARDNESS)
 
 
@@ -67,8 +69,7 @@ def _end(source: str, factor: float, result: Result, solution: xr.Dataset) -> tu
     load, window, variation = solution[_LOAD].values, result.window, dict(result.contact)
     change = np.full(load.shape, math.log(factor))
     if source == _LOAD:
-        # a contact of which all yields carries no more
-        variation[_LOAD] = np.minimum(factor * load, (1 - 2 * NEAR_HARDNESS) * result.hardness)
+        variation = varied({**result.contact, _LOAD: load}, source, factor)
         change = np.log(variation[_LOAD] / load)
     elif source == _MODULUS:
         variation[_MODULUS] = factor * float(solution[_MODULUS])
@@ -109,16 +110,39 @@ def amplified(window: xr.DataArray, name: str, factor: float) -> xr.DataArray:
     return window.assign_coords({axis: factor * window[axis] for axis in window.dims})
 
 
-def stiffer(bodies: Any, factor: float) -> Any:
-    """Return bodies, their layers included, with Young's moduli `factor` times as large."""
-    if isinstance(bodies, list):
-        return [stiffer(body, factor) for body in bodies]
-    if isinstance(bodies, dict):
+def varied(arguments: Mapping[str, Any], name: str, factor: float) -> dict[str, Any]:
+    """Return arguments of a contact with a load, all moduli or a hardness `factor` times as large.
+
+    A contact of which all yields carries no more.
+
+    Examples
+    --------
+    >>> yielding = varied({"mean_pressure": 9e6, "hardness": 1e7}, "hardness", 0.5)
+    >>> f"{yielding['mean_pressure']:.6g}"
+    '4.99999e+06'
+    """
+    changed = (
+        {**arguments, name: factor * arguments[name]} if name != _MODULUS else stiffer(arguments, factor)
+    )
+    if changed.get(HARDNESS):
+        heaviest = (1 - 2 * NEAR_HARDNESS) * changed[HARDNESS]
+        changed[_LOAD] = np.minimum(changed[_LOAD], heaviest)
+    return changed
+
+
+def stiffer(arguments: Any, factor: float) -> Any:
+    """Return arguments, their bodies and layers included, with moduli `factor` times as large."""
+    if isinstance(arguments, Relaxation):
+        return arguments.stiffer(factor)
+    if isinstance(arguments, list):
+        return [stiffer(entry, factor) for entry in arguments]
+    if isinstance(arguments, Mapping):
         # a rigid base has none
         return {
-            k: factor * v if k == "youngs_modulus" and v else stiffer(v, factor) for k, v in bodies.items()
+            key: factor * entry if key in _MODULI and entry else stiffer(entry, factor)
+            for key, entry in arguments.items()
         }
-    return bodies
+    return arguments
 
 
 def effect(
