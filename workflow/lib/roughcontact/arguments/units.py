@@ -35,6 +35,7 @@ _QUANTITIES = {
     "W": ("heat flow", "mW, W, kW"),
 }
 _RAISED = str.maketrans("23", "²³")
+_SIGNS = {"Ohm": "Ω"}  # of units whose symbol is none of Latin letters
 _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
 _ZEROS = {"K": 273.15, **dict.fromkeys(("°C", "degC", "deg C", "C"), 0.0)}  # of °C
 _NUMBER_AND_UNIT = re.compile(rf"\s*{_NUMBER}\s*(\S.*)", re.DOTALL)
@@ -54,12 +55,13 @@ def printed(base: str) -> str:
 
     Examples
     --------
-    >>> [printed(base) for base in ("m3 s-1", "W m-1 K-1", "m2", "Pa-1", "Pa s", "")]
-    ['m³/s', 'W/(m K)', 'm²', '1/Pa', 'Pa s', '']
+    >>> [printed(base) for base in ("m3 s-1", "W m-1 K-1", "Ohm m2", "Pa-1", "Pa s", "")]
+    ['m³/s', 'W/(m K)', 'Ω m²', '1/Pa', 'Pa s', '']
     """
     above, below = list[str](), list[str]()
     for name, sign, power in re.findall(r"([A-Za-z]+)(-?)(\d*)", base):
-        (below if sign else above).append(name + power.replace("1", "").translate(_RAISED))
+        symbol = _SIGNS.get(name, name)
+        (below if sign else above).append(symbol + power.replace("1", "").translate(_RAISED))
     divisor = " ".join(below) if len(below) < 2 else f"({' '.join(below)})"
     return f"{' '.join(above) or 1}/{divisor}" if below else " ".join(above)
 
@@ -135,13 +137,9 @@ def convert_to_base_unit(value: Any, base: str) -> Any:
     factor = unit_factor(number_and_unit[2], base)
     if factor is None:
         raise ValueError(unknown_unit(number_and_unit[2], base))
+    number, inverse = float(number_and_unit[1]), round(1 / factor)
     # by a division where that is exact: 2.5e-06 for 2.5 µm, not 2.4999999999999998e-06
-    inverse = round(1 / factor) if factor < 1 else 0
-    return (
-        float(number_and_unit[1]) / inverse
-        if inverse and 1 / inverse == factor
-        else float(number_and_unit[1]) * factor
-    )
+    return number / inverse if inverse > 1 and 1 / inverse == factor else number * factor
 
 
 def celsius(value: Any) -> float:

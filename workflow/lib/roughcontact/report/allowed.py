@@ -48,9 +48,7 @@ def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = F
 def limit_in_words(numbers: Numbers, name: str) -> str:
     """Return what is allowed of a number: "of at most 1.08 ml/h"."""
     allowed, limit = ALLOWED_VALUES[name], float(numbers[f"allowed_{name}"])
-    is_resistance = allowed.unit == "Ohm"  # has a prefix of its own, as each total
-    text = quantity(limit, "Ω") if is_resistance else unit_of(numbers, allowed.unit).text(limit)
-    return f"of at {allowed.bound} {text}"
+    return f"of at {allowed.bound} {unit_of(numbers, allowed.unit, limit).text(limit)}"
 
 
 def _total_in_words(numbers: Numbers, name: str, index: int) -> str:

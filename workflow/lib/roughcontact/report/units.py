@@ -11,6 +11,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import AREA, GAP, PEAK
 from roughcontact.arguments.quantities import Unit, height_unit, number, prefix, pressure_unit, quantity
+from roughcontact.arguments.units import printed
 from roughcontact.arguments.variables import Numbers, has_number
 from roughcontact.statistics.decisions import CLOSED
 from roughcontact.statistics.kinds import facts_of_numbers
@@ -31,19 +32,20 @@ _FIXED = {
     "m2 s-1": Unit(3.6e9, "ml/(h m)"),
     "m3 s-1": Unit(3.6e9, "ml/h"),
 }
-# of any size: SI unit -> the one that takes a prefix, and the numbers that choose it
+# of any size: unit that takes a prefix -> the numbers that choose it
 _RESISTANCES = {
-    "Ohm": ("Ω", ("total_electrical_resistance", "local_electrical_resistance")),
-    "K W-1": ("K/W", ("total_thermal_resistance", "local_thermal_resistance")),
+    "Ohm": ("total_electrical_resistance", "local_electrical_resistance"),
+    "K W-1": ("total_thermal_resistance", "local_thermal_resistance"),
 }
 _ROUNDING = 1e-9
 _GAPS = (GAP, "critical_constriction_x", "critical_constriction_y")
 
 
-def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
+def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str, limit: float | None = None) -> Unit:
     """Return the unit in which numbers of a surface are shown, given their SI `unit`, whatever the number.
 
-    `unit` is "m" for heights and gaps, "m along" for lengths along the surface and depths, "%" for shares.
+    `unit` is "m" for heights and gaps, "m along" for lengths along the surface and depths, "%" for shares. A
+    resistance may be of any size: that of a `limit` has a prefix of its own.
 
     Examples
     --------
@@ -56,10 +58,10 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
     # the variables without their coordinates are found in a hundredth of the time
     plain: Mapping[Any, Any] = numbers.variables if isinstance(numbers, xr.Dataset) else numbers
     if unit in _RESISTANCES:
-        symbol, names = _RESISTANCES[unit]
-        resistances = [value for name in names if name in plain for value in np.ravel(plain[name])]
-        finite = [value for value in resistances if 0 < value < np.inf]
-        return Unit(*prefix(float(np.median(finite or [1e-3])), symbol))
+        names = [name for name in _RESISTANCES[unit] if name in plain]
+        resistances = [value for name in names for value in np.ravel(plain[name])]
+        finite = [value for value in resistances if 0 < value < np.inf] or [1e-3]
+        return Unit(*prefix(limit or float(np.median(finite)), printed(unit)))
     heaviest_load = float(np.max(np.nan_to_num(plain.get("mean_pressure", 0.0))))
     pressure = pressure_unit(float(plain.get("contact_modulus", np.nan)), heaviest_load)
     if unit == "Pa":
@@ -215,6 +217,6 @@ def median_numbers(results: Sequence[xr.Dataset]) -> dict[str, float]:
     >>> median_numbers([xr.Dataset({"rms_height": rms}) for rms in (1e-8, 1e-6, 2e-6)])
     {'rms_height': 1e-06}
     """
-    names = ["contact_modulus", "rms_height", *(name for _, key in _RESISTANCES.values() for name in key)]
+    names = ["contact_modulus", "rms_height", *(name for key in _RESISTANCES.values() for name in key)]
     available = [name for name in names if all(name in result for result in results)]
     return {name: float(np.median([np.median(result[name]) for result in results])) for name in available}

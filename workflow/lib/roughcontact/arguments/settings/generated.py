@@ -40,14 +40,10 @@ _SHIPPED = {
     "bodies": "steel and PEEK, a polymer of seals and plain bearings",
     "mean_pressure": "what seals and plain bearings carry",
 }
-# what the page of a run says in words of its own, or on what no result depends
-_SAID_ELSEWHERE = tuple(
-    f"contact.{name}"
-    for name in (
-        *("contact_modulus", "bodies", "hardness", "mean_pressure", "relative_pressure"),
-        *("force", "area", "boundary"),
-        *("target_area", "target_gap", "target", "keep_fields"),
-    )
+# what the page of a run says of the contact in words of its own, or on what no result depends
+_SAID_ELSEWHERE = (
+    *("contact_modulus", "bodies", "hardness", "mean_pressure", "relative_pressure", "force", "area"),
+    *("boundary", "target_area", "target_gap", "target", "keep_fields"),
 )
 
 
@@ -105,8 +101,8 @@ def changed_settings(settings: Mapping[str, Any]) -> list[str]:
         for section, of_section in Settings.model_fields.items()
         if section != "report" and (model := section_model(of_section))  # the report changes no number
         for name, field in model.model_fields.items()
-        if f"{section}.{name}" not in _SAID_ELSEWHERE
-        and settings[section][name] != field.get_default(call_default_factory=True)
+        if not (section == "contact" and name in _SAID_ELSEWHERE)
+        and settings[section][name] != default_value(field)
     ]
 
 
@@ -115,10 +111,8 @@ def write_generated(root: Path) -> None:
 
     Missing folders are created.
     """
-    for name, text in (
-        ("config/config.yaml", default_yaml()),
-        ("workflow/schemas/config.schema.json", json_schema()),
-    ):
+    texts = {"config/config.yaml": default_yaml(), "workflow/schemas/config.schema.json": json_schema()}
+    for name, text in texts.items():
         path = root / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
@@ -136,23 +130,21 @@ def _yaml(model: type[Section], indent: str, values: Mapping[str, Any]) -> list[
         text = field.description or ""
         if choices := setting_choices(field):
             text += f"; one of {', '.join(choices)}"
-        example = field.examples[0] if field.examples else None
-        value, comment = field.get_default(call_default_factory=True), ""
-        if name in values:
-            value = values[name]
-        elif value in (None, {}):
-            value, comment = example, "# "
-        if name in _SHIPPED and value == example:
-            text += f"; {'for example' if comment else 'here'} {_SHIPPED[name]}"
-        if model is Settings:
-            lines.append("")
+        value = values.get(name, default_value(field))
+        is_absent = value in (None, {})
+        if is_absent:
+            (value,) = field.examples or [None]
+        if name in _SHIPPED and value == (field.examples or [None])[0]:
+            text += f"; {'for example' if is_absent else 'here'} {_SHIPPED[name]}"
+        start = f"{indent}# {name}:" if is_absent else f"{indent}{name}:"
+        lines += [""] if model is Settings else []
         lines += [f"{indent}# {line}" for line in textwrap.wrap(text, _WIDTH - len(indent))]
         if section and isinstance(value, list):  # a line for each
-            lines += [f"{indent}{comment}{name}:", *(f"{indent}{comment}  - {flow(item)}" for item in value)]
+            item_start = start.replace(f"{name}:", "  -")
+            lines += [start, *(f"{item_start} {flow(item)}" for item in value)]
         else:
-            lines.append(f"{indent}{comment}{name}: {flow(value)}")
-        if section:
-            lines += _keys(section, f"{indent}#   ")
+            lines.append(f"{start} {flow(value)}")
+        lines += _keys(section, f"{indent}#   ") if section else []
     return lines
 
 
@@ -168,12 +160,16 @@ def _keys(section: type[Section], start: str) -> list[str]:
     return lines
 
 
+def default_value(field: FieldInfo) -> Any:
+    """Return the default of a setting, None of one that has none."""
+    return None if field.is_required() else field.get_default(call_default_factory=True)
+
+
 def hint(field: FieldInfo) -> str:
     """Return the default of a setting, or an example of one that has none."""
-    default_value = None if field.is_required() else field.get_default(call_default_factory=True)
-    if default_value in (None, {}):
-        return f"none; for example {flow(field.examples[0])}" if field.examples else "none"
-    return flow(default_value)
+    if (value := default_value(field)) not in (None, {}):
+        return flow(value)
+    return f"none; for example {flow(field.examples[0])}" if field.examples else "none"
 
 
 def flow(value: Any) -> str:
@@ -204,14 +200,13 @@ def value_text(value: Any, field: FieldInfo, *, name: str = "") -> str:
         # one number is that of both sides
         return f"± {shares[-1]}" if shares[0] == shares[-1] else f"−{shares[0]} +{shares[-1]}"
     unit = setting_base(field)
-    if unit and isinstance(value, list) and all(isinstance(entry, float) for entry in value):
+    if isinstance(value, list):
         # no load: the largest one, of contact.unload
-        return ", ".join(_with_unit(entry, unit) for entry in value) or "true"
-    return _with_unit(value, unit) if unit and isinstance(value, float) else flow(value)
-
-
-def _with_unit(value: float, unit: str) -> str:
-    """Return a value (SI) with a unit that people read."""
-    return (
-        _PRINTED[unit].text(value) if unit in _PRINTED else quantity(value, printed(unit).replace("Ohm", "Ω"))
-    )
+        is_quantity = unit and all(isinstance(entry, float) for entry in value)
+        return (
+            ", ".join(value_text(entry, field) for entry in value) or "true" if is_quantity else flow(value)
+        )
+    if not unit or not isinstance(value, float):
+        return flow(value)
+    # a unit that people read
+    return _PRINTED[unit].text(value) if unit in _PRINTED else quantity(value, printed(unit))
