@@ -3,7 +3,7 @@
 `describe` adds units and a sentence to every variable of a dataset, so that each file has them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,24 @@ def _documented() -> dict[str, tuple[str | None, str]]:
 
 
 VARIABLES = _documented()
+
+
+def _with_endings(
+    words: Mapping[str, str], meanings: Mapping[str, str], unit: str | None = None
+) -> dict[str, tuple[str | None, str]]:
+    """Return the variables `{name}_{ending}` by names in words and endings; the unit is that of the name."""
+    return {
+        f"{name}_{ending}": (VARIABLES[name][0] if unit is None else unit, meaning.format(in_words))
+        for name, in_words in words.items()
+        for ending, meaning in meanings.items()
+    }
+
+
+def _spelt(names: Iterable[str]) -> dict[str, str]:
+    """Return names with their words."""
+    return {name: name.replace("_", " ") for name in names}
+
+
 for _name, _allowed in ALLOWED_VALUES.items():
     _side = "from which on" if _allowed.trend < 0 else "up to which"
     _holds = f"the {_allowed.words} is at {_allowed.bound} what is allowed"
@@ -40,6 +58,9 @@ for _name, _allowed in ALLOWED_VALUES.items():
         f"{_name}_holds_from": ("Pa", f"mean pressure {_side} {_holds}"),
         f"{_name}_largest_Sq": ("m", f"largest Sq of this texture with which {_holds}"),
     }
+for _name in CREEPING:
+    _unit, _meaning = VARIABLES[_name]
+    VARIABLES[f"{_name}_after"] = _unit, f"{_meaning}; after a time under a constant load"
 
 _OF_INTERVALS = {
     "uncertainty": "half-width of the 95 % interval of the {}",
@@ -69,66 +90,44 @@ _OF_INTERVALS = {
 }
 # whose interval follows from another one
 _DERIVED = [
-    "leak_rate_x",
-    "leak_rate_y",
-    "friction_coefficient",
-    "mean_pressure",
-    "contact_stiffness",
-    "running_in_distance",
-    "hysteretic_friction_coefficient",
-    "adhesive_friction_coefficient",
+    *("leak_rate_x", "leak_rate_y", "friction_coefficient", "mean_pressure", "contact_stiffness"),
+    *("running_in_distance", "hysteretic_friction_coefficient", "adhesive_friction_coefficient"),
     *(f"{name}_{number}" for name in ALLOWED_VALUES for number in ("holds_from", "largest_Sq")),
-    "joint_conductance",
-    "contact_area",
-    "contact_radius",
-    *TOTALS,
+    *("joint_conductance", "contact_area", "contact_radius", *TOTALS),
+    *(f"{name}_after" for name in CREEPING),
+    *("pressure_flow_factor_x", "pressure_flow_factor_y", "shear_flow_factor_x", "shear_flow_factor_y"),
+    *("thermal_conductance", "thermal_resistance", "electrical_conductance", "electrical_resistance"),
+    *(name for name in VARIABLES if name.startswith("local_")),
 ]
-VARIABLES |= {
-    f"{name}_after": (VARIABLES[name][0], f"{VARIABLES[name][1]}; after a time under a constant load")
-    for name in CREEPING
-}
-_DERIVED += [f"{name}_after" for name in CREEPING]
-_DERIVED += [f"{name}_flow_factor_{axis}" for name in ("pressure", "shear") for axis in "xy"]
-_DERIVED += [
-    f"{property_name}_{quantity_name}"
-    for property_name in ("thermal", "electrical")
-    for quantity_name in ("conductance", "resistance")
-]
-_DERIVED += [name for name in VARIABLES if name.startswith("local_")]
-VARIABLES |= {
-    f"{name}_{bound}": (VARIABLES[name][0], _OF_INTERVALS[bound].format(name.replace("_", " ")))
-    for name in _DERIVED
-    for bound in ("lower", "upper")
-}
-# properties with a range
-VARIABLES |= {
-    f"{name}_{bound}": (VARIABLES[name][0], f"{bound} end of the range of the {name.replace('_', ' ')}")
-    for name in ("hardness", "thermal_conductivity", "electrical_resistivity", "shear_strength")
-    for bound in ("lower", "upper")
-}
-VARIABLES |= {
-    f"{name}_sensitivity": ("1", f"d ln Q/d ln input of the {quantity.words}; NaN: not known")
-    for name, quantity in QUANTITIES.items()
-}
+_RANGED = ("hardness", "thermal_conductivity", "electrical_resistivity", "shear_strength")
 _OF_GROUPS = {
     "between": "standard deviation of the {} between parts, on its symmetric scale",
     "within": "standard deviation of the {} between the maps of a part, on its symmetric scale",
     "shared": "half-widths and shifts of the {} that the maps of a group share, on its symmetric scale",
 }
-VARIABLES |= {
-    # a length is its own scale, all others have a logarithm
-    f"{name}_{ending}": (
-        VARIABLES[name][0] if quantity.scale == "length" else "1",
-        text.format(quantity.words),
+_OF_QUANTITIES = {name: quantity.words for name, quantity in QUANTITIES.items()}
+_OF_ANSWERS = {name: answer.words for name, answer in ANSWERS.items()}
+VARIABLES |= _with_endings(_spelt(_DERIVED), {end: _OF_INTERVALS[end] for end in ("lower", "upper")})
+VARIABLES |= _with_endings(
+    _spelt(_RANGED), {end: f"{end} end of the range of the {{}}" for end in ("lower", "upper")}
+)
+VARIABLES |= _with_endings(
+    _OF_QUANTITIES, {"sensitivity": "d ln Q/d ln input of the {}; NaN: not known"}, unit="1"
+)
+for _name, _quantity in QUANTITIES.items():  # a length is its own scale, all others have a logarithm
+    _scale = None if _quantity.scale == "length" else "1"
+    VARIABLES |= _with_endings({_name: _quantity.words}, _OF_GROUPS, _scale)
+VARIABLES |= _with_endings(_OF_QUANTITIES, _OF_INTERVALS)
+VARIABLES |= _with_endings(
+    _OF_ANSWERS, {"verdict": "worst outcome of the checks that concern the {}: as of verdict"}, unit="1"
+)
+for _name, _answer in ANSWERS.items():  # how well it is known
+    _known = (
+        f"larger half-width of the 95 % interval of the {_answer.words} over its value; none if unbounded"
+        if _answer.quantity
+        else f"0 where the interval tells {_answer.words} from none, none where it holds both"
     )
-    for name, quantity in QUANTITIES.items()
-    for ending, text in _OF_GROUPS.items()
-}
-VARIABLES |= {
-    f"{name}_{ending}": (VARIABLES[name][0], text.format(quantity.words))
-    for name, quantity in QUANTITIES.items()
-    for ending, text in _OF_INTERVALS.items()
-}
+    VARIABLES[f"{_name}_known"] = "1", _known
 
 # comments of variables that need more than a line
 _COMMENTS = {
@@ -137,23 +136,6 @@ _COMMENTS = {
         "what the setting zero_frequency makes of the load: nothing by the rule zero, by which the approach "
         "is the mean gap plus the mean height where no point yields."
     )
-}
-
-# verdicts on single answers, beside `verdict`
-VARIABLES |= {
-    f"{name}_verdict": ("1", f"worst outcome of the checks that concern the {answer.words}: as of verdict")
-    for name, answer in ANSWERS.items()
-}
-
-# how well answers are known
-VARIABLES |= {
-    f"{name}_known": (
-        "1",
-        f"larger half-width of the 95 % interval of the {answer.words} over its value; none if unbounded"
-        if answer.quantity
-        else f"0 where the interval tells {answer.words} from none, none where it holds both",
-    )
-    for name, answer in ANSWERS.items()
 }
 
 # meanings of the values 0, 1, 2 ... of a flag
