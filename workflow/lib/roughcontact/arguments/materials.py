@@ -70,11 +70,10 @@ def doubt_of_modulus(modulus: float) -> Doubt | None:
     """
     if modulus < SOFTEST:
         # as if GPa or MPa were taken for Pa
-        reason = f"{quantity(modulus, 'Pa')} is softer than any gel ({quantity(SOFTEST, 'Pa')})"
-        return Doubt(reason, _within(modulus, (_GIGA, _MEGA), SOFTEST, STIFFEST))
+        reason = f"is softer than any gel ({quantity(SOFTEST, 'Pa')})"
+        return _doubt(modulus, reason, (_GIGA, _MEGA), SOFTEST, STIFFEST)
     if modulus > STIFFEST:
-        reason = f"{quantity(modulus, 'Pa')} is stiffer than diamond"
-        return Doubt(reason, _within(modulus, (1 / _KILO, 1 / _MEGA), GEL, STIFFEST))
+        return _doubt(modulus, "is stiffer than diamond", (1 / _KILO, 1 / _MEGA), GEL, STIFFEST)
     return None
 
 
@@ -91,11 +90,8 @@ def doubt_of_gel(modulus: float, pressures: Sequence[float]) -> Doubt | None:
     highest = max(pressures, default=0.0)
     if not SOFTEST <= modulus < GEL or highest <= modulus:
         return None
-    reason = f"{quantity(modulus, 'Pa')} is as soft as a gel, which does not bear {quantity(highest, 'Pa')}"
-    likely = (
-        value for value in _within(modulus, (_MEGA, _KILO), GEL, STIFFEST) if highest <= MAX_HARDNESS * value
-    )
-    return Doubt(reason, tuple(likely))
+    reason = f"is as soft as a gel, which does not bear {quantity(highest, 'Pa')}"
+    return _doubt(modulus, reason, (_MEGA, _KILO), max(GEL, highest / MAX_HARDNESS), STIFFEST)
 
 
 def doubt_of_body(youngs_modulus: float, poissons_ratio: float) -> Doubt | None:
@@ -103,11 +99,8 @@ def doubt_of_body(youngs_modulus: float, poissons_ratio: float) -> Doubt | None:
     if youngs_modulus >= RIGID:
         return None  # it stands for no material
     if SOFTEST <= youngs_modulus < GEL and poissons_ratio < GEL_POISSONS_RATIO:
-        reason = (
-            f"{quantity(youngs_modulus, 'Pa')} is as soft as a gel, which has a Poisson's ratio near 0.5, "
-            f"not {poissons_ratio:g}"
-        )
-        return Doubt(reason, _within(youngs_modulus, (_GIGA, _MEGA), GEL, STIFFEST))
+        reason = f"is as soft as a gel, which has a Poisson's ratio near 0.5, not {poissons_ratio:g}"
+        return _doubt(youngs_modulus, reason, (_GIGA, _MEGA), GEL, STIFFEST)
     return doubt_of_modulus(youngs_modulus)
 
 
@@ -128,19 +121,18 @@ def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
     """
     # a soft body bears little: the weight of a sheet is a load for it
     lightest = max(MIN_RELATIVE_LOAD * contact_modulus, min(MIN_LOAD, SOFT_RELATIVE_LOAD * contact_modulus))
-    heaviest = contact_modulus
-    if mean_pressure < lightest:
-        reason = f"{quantity(mean_pressure, 'Pa')} is next to no load on a contact modulus of "
-        factors: Sequence[float] = (_MEGA, _KILO)
-    elif mean_pressure > heaviest:
-        reason = f"{quantity(mean_pressure, 'Pa')} is more than any contact bears at a contact modulus of "
-        factors = (1 / _KILO, 1 / _MEGA)
+    modulus_text = quantity(contact_modulus, "Pa")
+    if mean_pressure > contact_modulus:
+        reason = f"is more than any contact bears at a contact modulus of {modulus_text}"
+        factors: Sequence[float] = (1 / _KILO, 1 / _MEGA)
+    elif mean_pressure < lightest:
+        reason = f"is next to no load on a contact modulus of {modulus_text}"
+        if SOFTEST <= contact_modulus < GEL:
+            reason += f" ({quantity(_MEGA * contact_modulus, 'Pa')}, were it given in MPa)"
+        factors = (_MEGA, _KILO)
     else:
         return None
-    reason += quantity(contact_modulus, "Pa")
-    if mean_pressure < lightest and SOFTEST <= contact_modulus < GEL:
-        reason += f" ({quantity(_MEGA * contact_modulus, 'Pa')}, were it given in MPa)"
-    return Doubt(reason, _within(mean_pressure, factors, lightest, MAX_HARDNESS * heaviest))
+    return _doubt(mean_pressure, reason, factors, lightest, MAX_HARDNESS * contact_modulus)
 
 
 def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
@@ -151,19 +143,17 @@ def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
     >>> doubt_of_hardness(2.0, 1.15e11).question()
     '2.00 Pa is 1.7×10⁻¹¹ of the modulus, softer than lead; did you mean 2.00 GPa?'
     """
-    if hardness < MIN_HARDNESS * modulus:
-        share = number(hardness / modulus, digits=2)
-        reason = f"{quantity(hardness, 'Pa')} is {share} of the modulus, softer than lead"
-        factors: Sequence[float] = (_GIGA, _MEGA)
+    lowest, highest = MIN_HARDNESS * modulus, MAX_HARDNESS * modulus
+    if hardness < lowest:
+        reason = f"is {number(hardness / modulus, digits=2)} of the modulus, softer than lead"
+        return _doubt(hardness, reason, (_GIGA, _MEGA), lowest, highest)
     # the modulus is no upper limit: it may be that of the other body
-    elif hardness > MAX_HARDNESS * STIFFEST:
-        reason = f"{quantity(hardness, 'Pa')} is harder than diamond"
-        factors = (1 / _KILO, 1 / _MEGA)
-    else:
-        return None
-    return Doubt(reason, _within(hardness, factors, MIN_HARDNESS * modulus, MAX_HARDNESS * modulus))
+    if hardness > MAX_HARDNESS * STIFFEST:
+        return _doubt(hardness, "is harder than diamond", (1 / _KILO, 1 / _MEGA), lowest, highest)
+    return None
 
 
-def _within(value: float, factors: Sequence[float], lower: float, upper: float) -> tuple[float, ...]:
-    """Return the value in other units, as far as it lies within a range."""
-    return tuple(value * factor for factor in factors if lower <= value * factor <= upper)
+def _doubt(value: float, reason: str, factors: Sequence[float], lower: float, upper: float) -> Doubt:
+    """Return a doubt about a value (Pa), with what it is in other units as far as that is within limits."""
+    candidates = (value * factor for factor in factors)
+    return Doubt(f"{quantity(value, 'Pa')} {reason}", tuple(x for x in candidates if lower <= x <= upper))
