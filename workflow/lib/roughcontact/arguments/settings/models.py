@@ -11,24 +11,14 @@ from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    model_validator,
-)
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
 
 from roughcontact.arguments import choices
 from roughcontact.arguments.materials import MAX_FRICTION, MAX_HARDNESS, MIN_LOAD, RIGID, SOFTEST, STIFFEST
 from roughcontact.arguments.ranges import with_shares
-from roughcontact.arguments.settings.plausible import Range, bare_number, setting_base
+from roughcontact.arguments.settings.plausible import Range, Spelling, bare_number, setting_base
 from roughcontact.arguments.units import carries_unit, printed
 
 
@@ -39,23 +29,22 @@ def _not_boolean(value: Any) -> Any:
     return value
 
 
-def _without_sign(value: Any, *, sign: str) -> Any:
-    """Return a limit without the sign before it, or reject the wrong one."""
+def _without_sign(value: Any, *, signs: tuple[str, ...]) -> Any:
+    """Return a limit without the sign before it, or reject another one than the `signs`."""
     if not isinstance(value, str):
         return value
     limit = value.strip().lstrip("<>≤≥=").strip()
-    if value.strip().removesuffix(limit).strip() not in ("", sign, {"<=": "≤", ">=": "≥"}[sign]):
-        raise ValueError(f"is a limit of the other side; write {sign} {limit}")
+    if value.strip().removesuffix(limit).strip() not in ("", *signs):
+        raise ValueError(f"is a limit of the other side; write {signs[0]} {limit}")
     return limit
 
 
 def _relative_load(value: Any) -> Any:
     """Reject a pressure, with or without its unit, for a load relative to the modulus."""
+    if carries_unit(value) and "," in value:  # as in 0,1
+        raise ValueError("write a decimal point, not a comma")
     if carries_unit(value):
-        comma = "," in value  # as in 0,1
-        raise ValueError(
-            "write a decimal point, not a comma" if comma else "has no unit; a load with one is mean_pressure"
-        )
+        raise ValueError("has no unit; a load with one is mean_pressure")
     if _MAX_RELATIVE < bare_number(value) < math.inf:
         raise ValueError(
             "is in units of E* x rms gradient, in which contact is full from about 1 on; did you mean "
@@ -64,55 +53,40 @@ def _relative_load(value: Any) -> Any:
     return value
 
 
-class OneOrMore:
+class OneOrMore(Spelling):
     """Takes a single value for a list of one, in the schema further ones as well; of a field type."""
 
-    def __init__(self, *further: dict[str, str]):
+    def __init__(self, *further: JsonSchemaValue):
         self.further = further
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Return the schema of the list, after a single value was put into one."""
-        return no_info_before_validator_function(_as_list, handler(source))
+    def convert(self, value: Any) -> Any:
+        """Return a single value as a list of one."""
+        return value if isinstance(value, list | tuple | NoneType) else [value]
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
+    def widen(self, schema: JsonSchemaValue) -> JsonSchemaValue:
         """Admit what may stand in the list beside it."""
-        array_schema = handler(schema)
-        item_schemas = array_schema["items"].get("anyOf", [array_schema["items"]])
-        return {"anyOf": [*self.further, *item_schemas, array_schema]}
+        item_schemas = schema["items"].get("anyOf", [schema["items"]])
+        return {"anyOf": [*self.further, *item_schemas, schema]}
 
 
-def _as_list(value: Any) -> Any:
-    """Return a single value as a list of one."""
-    return value if isinstance(value, list | tuple | NoneType) else [value]
-
-
-class OrNone:
+class OrNone(Spelling):
     """Takes the word none for no value, of a setting whose default is a number."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Return the schema of the value, after the word was taken for none."""
-        return no_info_before_validator_function(
-            lambda value: None if value == "none" else value, handler(source)
-        )
+    def convert(self, value: Any) -> Any:
+        """Return no value for the word."""
+        return None if value == "none" else value
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
+    def widen(self, schema: JsonSchemaValue) -> JsonSchemaValue:
         """Admit the word beside the value."""
-        return {"anyOf": [*handler(schema)["anyOf"], {"const": "none"}]}
+        return {"anyOf": [*schema["anyOf"], {"const": "none"}]}
 
 
-class OrRange:
-    """Admits, in the schema, both ends of a range for the value of a property."""
+class OrRange(Spelling):
+    """Admits, in the schema, both ends of a range for the value of a property, which `with_shares` reads."""
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
+    def widen(self, schema: JsonSchemaValue) -> JsonSchemaValue:
         """Return the schema of the value, or of two."""
-        single = handler(schema)
-        return {"anyOf": [*single["anyOf"], {"type": "array", "items": single, "minItems": 2, "maxItems": 2}]}
+        return {"anyOf": [*schema["anyOf"], {"type": "array", "items": schema, "minItems": 2, "maxItems": 2}]}
 
 
 def _half_range(shares: Any) -> Any:
@@ -131,7 +105,7 @@ def _largest_load(value: Any) -> Any:
     """Return no load in particular for true, nothing for false, and a single load as a list of one."""
     single = value[0] if isinstance(value, list) and len(value) == 1 else value
     single = {"true": True, "false": False}.get(single, single) if isinstance(single, str) else single
-    return ([] if single else None) if isinstance(single, bool) else _as_list(value)
+    return ([] if single else None) if isinstance(single, bool) else _ONE_OR_MORE.convert(value)
 
 
 def _ways(value: Any) -> Any:
@@ -153,12 +127,11 @@ RelativeRange = Annotated[
 ]
 _MAX_RELATIVE = 100.0  # load in units of E* g; any surface is in full contact long before
 _LISTED = Field(min_length=1, max_length=1000)  # each is solved
+_SERIES = Field(min_length=1, max_length=100)
 _ONE_OR_MORE = OneOrMore()
 # quantities with a dimension: a bare number in SI units, in a plausible range, or a number with its unit
 Length = Annotated[Positive, Range("m", 1e-10, 0.1, above="longer than any map, layer or seal")]
 Height = Annotated[Positive, Range("m", 1e-12, 1e-3)]  # also of tips, and pixels
-LightWavelength = Annotated[Positive, Range("m", 1e-8, 1e-4)]
-Radius = Annotated[Positive, Range("m", 1e-9, 1e3)]
 Modulus = Annotated[
     Positive, Range("Pa", SOFTEST, STIFFEST, "softer than any gel", "stiffer than diamond", rigid=RIGID)
 ]
@@ -170,41 +143,32 @@ Pressure = Annotated[Positive, Range("Pa", MIN_LOAD, STIFFEST, *_LOAD_WORDS, lik
 # aerogels to diamond; metals to conductive polymers; air to cold oil; liquids on polymers to clean metals
 Conductivity = Annotated[Positive, Range("W m-1 K-1", 1e-3, 1e4)]
 Resistivity = Annotated[Positive, Range("Ohm m", 1e-9, 0.1)]
-Force = Annotated[Positive, Range("N", 1e-9, 1e8)]
 Area = Annotated[Positive, Range("m2", 1e-14, 1e3)]
-Viscosity = Annotated[Positive, Range("Pa s", 5e-6, 10)]
 Time = Annotated[Positive, Range("s", 1e-9, 1e11)]
 Speed = Annotated[Positive, Range("m s-1", 1e-9, 1e3)]
-Diffusivity = Annotated[Positive, Range("m2 s-1", 1e-8, 1e-2)]
-Work = Annotated[Positive, Range("J m-2", 1e-5, 10)]
 # of what is allowed: bubbles a year to open pipes; welded contacts to insulators
 Flow = Annotated[Positive, Range("m3 s-1", 1e-18, 1.0)]
 Resistance = Annotated[Positive, Range("Ohm", 1e-9, 1e6)]
 TemperatureDrop = Annotated[Positive, Range("K", 1e-6, 5e3)]
-HeatFlow = Annotated[Positive, Range("W", 1e-9, 1e9)]
-_AT_MOST = BeforeValidator(partial(_without_sign, sign="<="))
-_AT_LEAST = BeforeValidator(partial(_without_sign, sign=">="))
-Perimeter = Annotated[Positive, Range("m", 1e-9, 1e3)]
+_AT_MOST = BeforeValidator(partial(_without_sign, signs=("<=", "≤")))
+_AT_LEAST = BeforeValidator(partial(_without_sign, signs=(">=", "≥")))
 # of hard coatings in oil to soft polymers on rough steel
-WearCoefficient = Annotated[Positive, Range("Pa-1", 1e-22, 1e-8)]
-Slid = Annotated[Positive, Range("m", 1e-9, 1e9)]
 Angle = Annotated[Number, Range("degree", -720, 720)]
 Shares = Annotated[list[Annotated[Number, Field(gt=0, lt=1)]], _LISTED, _ONE_OR_MORE]
 Directions = Annotated[
     Annotated[list[Angle], Field(min_length=1, max_length=36), OneOrMore({"const": "both ways"})],
     BeforeValidator(_ways),
 ]
-Distances = Annotated[list[Slid], Field(min_length=1, max_length=100), _ONE_OR_MORE]
-Speeds = Annotated[list[Speed], Field(min_length=1, max_length=100), _ONE_OR_MORE]
+Distances = Annotated[list[Annotated[Positive, Range("m", 1e-9, 1e9)]], _SERIES, _ONE_OR_MORE]
+Speeds = Annotated[list[Speed], _SERIES, _ONE_OR_MORE]
 Gaps = Annotated[list[Height], _LISTED, _ONE_OR_MORE]
 RelativeLoads = Annotated[list[Annotated[Positive, BeforeValidator(_relative_load)]], _LISTED, _ONE_OR_MORE]
 Loads = Annotated[list[Pressure], _LISTED, _ONE_OR_MORE]
+Radius = Annotated[Positive, Range("m", 1e-9, 1e3)]
 Radii = Annotated[list[Radius], Field(min_length=1, max_length=2), _ONE_OR_MORE]
-Forces = Annotated[list[Force], _LISTED, _ONE_OR_MORE]
-Times = Annotated[list[Time], Field(min_length=1, max_length=100), _ONE_OR_MORE]
-Slips = Annotated[
-    list[Annotated[Number, Field(gt=0, le=1)]], Field(min_length=1, max_length=100), _ONE_OR_MORE
-]
+Forces = Annotated[list[Annotated[Positive, Range("N", 1e-9, 1e8)]], _LISTED, _ONE_OR_MORE]
+Times = Annotated[list[Time], _SERIES, _ONE_OR_MORE]
+Slips = Annotated[list[Annotated[Number, Field(gt=0, le=1)]], _SERIES, _ONE_OR_MORE]
 Targets = Annotated[
     list[choices.LoadTarget], Field(min_length=1, max_length=len(get_args(choices.LoadTarget))), _ONE_OR_MORE
 ]
@@ -440,6 +404,12 @@ class Body(Section):
         return values
 
 
+_STEEL = {"name": "steel", "youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
+_STEEL |= {"hardness": "2 GPa", "thermal_conductivity": 50.0}
+_PEEK = {"name": "PEEK", "youngs_modulus": "4 GPa", "poissons_ratio": 0.4}
+_PEEK |= {"hardness": "0.3 GPa", "thermal_conductivity": 0.3}
+
+
 class Contact(Section):
     """The contact problem: contact_modulus or bodies, mean_pressure or relative_pressure or neither."""
 
@@ -451,24 +421,7 @@ class Contact(Section):
         min_length=2,
         max_length=2,
         json_schema_extra=_or_names,
-        examples=[
-            [
-                {
-                    "name": "steel",
-                    "youngs_modulus": "210 GPa",
-                    "poissons_ratio": 0.3,
-                    "hardness": "2 GPa",
-                    "thermal_conductivity": 50.0,
-                },
-                {
-                    "name": "PEEK",
-                    "youngs_modulus": "4 GPa",
-                    "poissons_ratio": 0.4,
-                    "hardness": "0.3 GPa",
-                    "thermal_conductivity": 0.3,
-                },
-            ]
-        ],
+        examples=[[_STEEL, _PEEK]],
     )
     """the two bodies, instead of contact_modulus: names of materials ([steel, PEEK]), or Young's moduli (Pa),
     Poisson's ratios and optional properties, to which material: steel adds those of a name"""
@@ -527,13 +480,13 @@ class Contact(Section):
 class Seal(Section):
     """A seal of which the surface is part, and the sealed fluid."""
 
-    viscosity: Viscosity = Field(examples=["1 mPa s"])
+    viscosity: Annotated[Positive, Range("Pa s", 5e-6, 10)] = Field(examples=["1 mPa s"])
     """of the fluid, dynamic"""
     pressure_difference: Pressure = Field(examples=["1 bar"])
     """of the fluid between both sides of the seal"""
     width: Length = Field(examples=["2 mm"])
     """of the seal in the direction of the flow"""
-    perimeter: Perimeter | None = _example("120 mm")
+    perimeter: Annotated[Positive, Range("m", 1e-9, 1e3)] | None = _example("120 mm")
     """length of the seal across the flow: the results then include the leak of the whole seal"""
     allowed_leak: Flow | None = _example("1 ml/h")
     """largest leak of the whole seal: the results then say whether, and from which load on, it holds; needs
@@ -558,7 +511,7 @@ class Joint(Section):
     allowed_temperature_drop: TemperatureDrop | None = _example("2 K")
     """largest temperature drop across the joint: as the allowed resistance; needs the area, the heat flow and
     the thermal conductivity of both bodies"""
-    heat_flow: HeatFlow | None = _example("5 W")
+    heat_flow: Annotated[Positive, Range("W", 1e-9, 1e9)] | None = _example("5 W")
     """through the whole joint: the results then include the temperature drop; needs the area"""
     gas_conductivity: Conductivity | None = _example(0.026)
     """of the gas in the gap; left empty: a vacuum"""
@@ -610,7 +563,7 @@ class Friction(Section):
     """of the shear strength, as that of the hardness"""
     speed: Speed | None = _example("1 m/s")
     """of sliding along x: flash temperatures are added; needs the thermal conductivity of both bodies"""
-    thermal_diffusivity: Diffusivity | None = _example("14 mm²/s")
+    thermal_diffusivity: Annotated[Positive, Range("m2 s-1", 1e-8, 1e-2)] | None = _example("14 mm²/s")
     """of the second body, which slides; left empty: the temperature of slow sliding, an upper limit"""
 
 
@@ -627,7 +580,7 @@ class Statistics(Section):
     stress: choices.Extra = "auto"
     """whether the stresses below the surface are computed (needs bodies); auto: if one of them states its
     yield stress"""
-    work_of_adhesion: Work | None = _example("50 mJ/m²")
+    work_of_adhesion: Annotated[Positive, Range("J m-2", 1e-5, 10)] | None = _example("50 mJ/m²")
     """of flat surfaces: the results then include whether it suffices to press the roughness flat"""
     seal: Seal | None = _example({"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"})
     """a seal, whose leak rate the results then include: viscosity and pressure difference of the fluid, width
@@ -647,7 +600,7 @@ class Statistics(Section):
 class Wear(Section):
     """Running-in: wear of the face by sliding against a smooth one; see docs/how-to/running-in.md."""
 
-    coefficient: WearCoefficient | None = _example("1e-7 mm³/(N m)")
+    coefficient: Annotated[Positive, Range("Pa-1", 1e-22, 1e-8)] | None = _example("1e-7 mm³/(N m)")
     """wear coefficient k, worn volume over load and distance; left empty: no wear"""
     coefficient_factor: Annotated[Number, Field(ge=1, le=1e6)] = 1.0
     """factor by which the coefficient may be higher or lower (95 %), no unit: it moves the distances alone"""
@@ -689,7 +642,7 @@ class Instrument(Section):
     """topographic spatial resolution W_R: the wavelength of which half is transmitted"""
     numerical_aperture: Annotated[Number, Field(gt=0, le=1.6)] | None = _example(0.55)
     """of the lens, no unit"""
-    wavelength: LightWavelength | None = _example("520 nm")
+    wavelength: Annotated[Positive, Range("m", 1e-8, 1e-4)] | None = _example("520 nm")
     """of the light; left empty: 550 nm"""
     tip_radius: Height | None = _example("2 µm")
     """of a stylus or a probe"""

@@ -24,8 +24,28 @@ _OF_FORCES: dict[str | int, str] = {"force": "N", "area": "m2"}
 _BARE_NUMBER_RULE = "A bare number is in {unit}: write the unit behind it, even if the number is correct"
 
 
+class Spelling:
+    """Further ways to write a value of a field type: how they are read, and their place in the schema."""
+
+    def convert(self, value: Any) -> Any:
+        """Return a value as the field has it."""
+        return value
+
+    def widen(self, schema: JsonSchemaValue) -> JsonSchemaValue:
+        """Return the schema that admits them as well."""
+        raise NotImplementedError
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return no_info_before_validator_function(self.convert, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return self.widen(handler(schema))
+
+
 @dataclass(frozen=True)
-class Range:
+class Range(Spelling):
     """The values of a quantity that are plausible as bare numbers; a validator of a field type.
 
     A value below `lowest` or above `highest` is in doubt, and is what `below` and `above` say; from `rigid`
@@ -34,10 +54,10 @@ class Range:
     Examples
     --------
     >>> length = Range("m", 1e-10, 0.1, above="longer than any map")
-    >>> length("2 m"), length(2e-6)
+    >>> length.convert("2 m"), length.convert(2e-6)
     (2.0, 2e-06)
     >>> try:
-    ...     length(0.8)
+    ...     length.convert(0.8)
     ... except ValueError as error:
     ...     print(str(error).partition(" A bare")[0])
     800 mm is longer than any map (100 mm); did you mean 800 µm or 800 nm?
@@ -51,7 +71,7 @@ class Range:
     rigid: float = math.inf
     likely_factors: tuple[float, ...] = (1e9, 1e6, 1e3)
 
-    def __call__(self, value: object) -> object:
+    def convert(self, value: Any) -> Any:
         """Return a value in the base unit; raise a ValueError with a question for an implausible number."""
         number = abs(bare_number(value)) if self.lowest < 0 else bare_number(value)  # angles may be negative
         if self.highest < number < self.rigid:
@@ -72,15 +92,9 @@ class Range:
             f"{question if likely else '.'} {_BARE_NUMBER_RULE.format(unit=unit)}"
         )
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Return the schema of the number, after its unit was taken into account."""
-        return no_info_before_validator_function(self, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
+    def widen(self, schema: JsonSchemaValue) -> JsonSchemaValue:
         """Admit a text, the number with its unit, beside the number."""
-        return {"anyOf": [handler(schema), {"type": "string"}]}
+        return {"anyOf": [schema, {"type": "string"}]}
 
 
 def nested_types(annotation: Any) -> list[Any]:
