@@ -229,7 +229,7 @@ def test_a_load_that_the_softer_body_does_not_bear_is_refused_before_anything_ru
     resolve({"contact": {"bodies": pair, "mean_pressure": "299 MPa"}})
     (line,) = lines({"bodies": pair, "mean_pressure": ["1 MPa", "300 MPa"]})
     assert line == (
-        "contact.mean_pressure 3e+08 Pa is not below the hardness 3e+08 Pa: no contact carries it"
+        "contact.mean_pressure = 3e+08 Pa is not below the hardness 3e+08 Pa: no contact carries it"
     )
 
 

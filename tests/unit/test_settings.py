@@ -461,7 +461,7 @@ def test_loads_that_cannot_be_meant_are_a_question(contact, sentence):
     ("contact", "message"),
     [
         ({"unload": True}, "contact.unload: needs a hardness"),
-        ({"unload": "3 GPa", "hardness": "2 GPa"}, "contact.unload 3e+09 Pa is not below the hardness"),
+        ({"unload": "3 GPa", "hardness": "2 GPa"}, "contact.unload = 3e+09 Pa is not below the hardness"),
         ({"unload": True, "hardness": "2 GPa", "keep_fields": False}, "contact.unload: needs the maps"),
         ({"unload": "later", "hardness": "2 GPa"}, r"contact.unload\[0\] = 'later'"),
     ],

@@ -145,12 +145,12 @@ class KindFacts:
             if reason:
                 raise SettingsError(f"{name}, boundary {self.boundary!r}: {reason}", keys=(name,))
 
-    def mistakes_in_loads(self, keys: Collection[str], where: str) -> Iterator[tuple[str, str]]:
+    def mistakes_in_loads(self, keys: Collection[str]) -> Iterator[tuple[str, str]]:
         """Yield the name and the mistake of loads among the `keys` of the section `contact`."""
         if len({"force", "area"} & {*keys}) == 1:
             missing, present = ("area", "force") if "force" in keys else ("force", "area")
             text = f": missing, though {present} is given; mean pressure is force by area"
-            yield f"{where}.{missing}", text
+            yield f"contact.{missing}", text
 
     def mistakes(
         self, settings: Sections, defaults: Sections, properties: Collection[str] = ()
@@ -171,12 +171,12 @@ class FiniteBodyFacts(KindFacts):
         """Return whether the map is the roughness on a ball or an ellipsoid."""
         return "form_radius_x" in attrs
 
-    def mistakes_in_loads(self, keys: Collection[str], where: str) -> Iterator[tuple[str, str]]:
+    def mistakes_in_loads(self, keys: Collection[str]) -> Iterator[tuple[str, str]]:
         """Yield that the force is missing."""
         pressures = [key for key in ("mean_pressure", "relative_pressure") if key in keys]
         if self.load not in keys:
             instead = f" instead of the {pressures[0]}" if pressures else ""
-            yield f"{where}.force", f": missing, though boundary is free; give the force in N{instead}"
+            yield "contact.force", f": missing, though boundary is free; give the force in N{instead}"
 
 
 @dataclass(frozen=True)
@@ -187,7 +187,7 @@ class LocalScaleFacts(KindFacts):
         """Return whether the section `form` has a form that is wider than the map."""
         return bool(form.get("local_scale"))
 
-    def mistakes_in_loads(self, keys: Collection[str], where: str) -> Iterator[tuple[str, str]]:
+    def mistakes_in_loads(self, keys: Collection[str]) -> Iterator[tuple[str, str]]:
         """Yield nothing: the force on the form is the load."""
         yield from ()
 

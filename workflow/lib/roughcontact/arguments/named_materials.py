@@ -18,7 +18,7 @@ _SI = {"GPa": 1e9, "MPa": 1e6, "nOhm_m": 1e-9}
 _GENT, _SHORE_A, _DEGREES = "Gent", (20, 95), 5  # source of moduli of elastomers; limits, tolerance
 _HARDNESS = ("hardness", name_of_range("hardness"))
 _TEMPERATURE = "temperature_degC"
-_TRANSPORT = ("thermal_conductivity", "electrical_resistivity")  # of use only where both bodies state them
+TRANSPORT = ("thermal_conductivity", "electrical_resistivity")  # of use only where both bodies state them
 
 
 class Property(NamedTuple):
@@ -87,7 +87,7 @@ def named_bodies(bodies: Sequence[Any]) -> list[Any]:
             full.append(hardness | _named(body, exclude=_HARDNESS) | {"layers": full_layers})
             pairs += zip(layers, full_layers, strict=True)
     pairs += zip(mappings, full, strict=True)
-    for name in _TRANSPORT:
+    for name in TRANSPORT:
         if not all(isinstance(body, Mapping) and body.get(name) is not None for _, body in pairs):
             for original, body in pairs:
                 if isinstance(original, Mapping) and "material" in original and name not in original:

@@ -88,19 +88,23 @@ def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> Se
     if detail["type"] == "invalid_key":
         above, key = detail["loc"][:-1], detail["input"]
         hint = nearest(key, fields_at(above))
-        return SettingsError(f"{_dotted(above) or 'the settings'}: the key {key!r} is no text, {hint}")
+        return SettingsError(f"{dotted(above) or 'the settings'}: the key {key!r} is no text, {hint}")
     location = tuple(part for part in detail["loc"] if part != "[key]")  # of a time that is a key
     return named(case, overrides, location, reason(detail))
 
 
 def named(case: str, overrides: Mapping[str, Any], location: Sequence[str | int], text: str) -> SettingsError:
     """Return an error with the name of its setting before the text; the first two are those of `mistake`."""
-    # section and key: positions in lists are no settings
-    setting = _dotted([part for part in location if not isinstance(part, int)][:2])
-    key = _dotted(location)
-    if case and location[0] in overrides and _overridden(overrides, location):
-        key = f"cases.{case}.{key}"
-    return SettingsError(f"{key}{text}", keys=[setting], place=key)
+    return setting_error(dotted(location), text, case=case if _overridden(overrides, location) else "")
+
+
+def setting_error(key: str, text: str, *, case: str = "") -> SettingsError:
+    """Return the error of a setting: its dotted name, that of the case that states it, and the text."""
+    # section and key, without positions in lists; a section as a whole is no setting
+    setting = re.sub(r"\[\d+\]", "", key).split(".")[:2]
+    is_section = len(setting) == 1 and bool(fields_at(setting))
+    place = f"cases.{case}.{key}" if case else key
+    return SettingsError(f"{place}{text}", keys=[] if is_section else [".".join(setting)], place=place)
 
 
 def reason(detail: ErrorDetails) -> str:
@@ -109,7 +113,7 @@ def reason(detail: ErrorDetails) -> str:
     field = field_at(location)
     meaning = (field.description if field else None) or ""
     if detail["type"] == "extra_forbidden":
-        if text := _NO_SETTINGS.get(_dotted(location)):
+        if text := _NO_SETTINGS.get(dotted(location)):
             return f": {text}"
         key, valid = str(location[-1]), fields_at(location[:-1])
         symbol = _SYMBOLS.get(key.lower())  # E, nu, H as in a textbook
@@ -146,7 +150,7 @@ def _rule(detail: ErrorDetails) -> str:
     return next(rules, detail["msg"])
 
 
-def _dotted(location: Sequence[str | int]) -> str:
+def dotted(location: Sequence[str | int]) -> str:
     """Return ("contact", "bodies", 0, "poissons_ratio") as contact.bodies[0].poissons_ratio."""
     text = ""
     for key in location:
