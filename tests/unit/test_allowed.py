@@ -10,7 +10,7 @@ from roughcontact.arguments.answers import ALLOWED_VALUES, TOTALS
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.report.allowed import allowed_in_words
-from roughcontact.report.glance import HEADINGS, answer_line, glance_rows
+from roughcontact.report.glance import answer_line, glance_rows
 from roughcontact.statistics.allowed import compare, with_allowed
 from roughcontact.statistics.decisions import gap_is_closed
 
@@ -196,7 +196,7 @@ def test_what_a_fluid_lifts_does_not_hold_in_files_and_words(lifted):
         == f"leak of at most 1.00 ml/h: {words}, would hold from 0.500 MPa on (0.500 MPa to 2.00 MPa)"
     )
     (row,) = glance_rows(lifted, indices=[1])
-    cell = row[HEADINGS.index("seals?")]
+    cell = row["sealing"]
     assert (cell.text, cell.precision) == ("leaks", "decided")
     assert cell.details == f"the fluid, at 0.500 MPa, lifts the bodies; leak of at most 1.00 ml/h: {words}"
 

@@ -25,7 +25,7 @@ from roughcontact.arguments.answers import (
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.interface.command_line import answers
 from roughcontact.report.cases import case_table
-from roughcontact.report.glance import HEADINGS, NOT_JUDGED, asked_columns, glance_rows, load_heading
+from roughcontact.report.glance import HEADINGS, LOAD, NOT_JUDGED, asked_columns, glance_rows, headings_of
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import group_rows
 from roughcontact.report.methods import methods_paragraph
@@ -100,9 +100,8 @@ def loads_of(result):
 
 def test_the_page_has_the_digits_of_the_file(result):
     for load, cells in zip(loads_of(result), glance_rows(result, indices=loads_of(result)), strict=True):
-        by_heading = dict(zip(HEADINGS, cells, strict=True))
         for name in COMPARED:
-            cell, (digits, unit) = by_heading[TITLES[name]], expected(result, name, load)
+            cell, (digits, unit) = cells[name], expected(result, name, load)
             number, _, interval = digits.partition(" ")
             assert cell.text == f"{number} {unit}"
             assert cell.details in (interval.strip("()"), "the hardness, taken as exact")
@@ -113,10 +112,10 @@ def test_the_screen_has_the_cells_of_the_page(result, monkeypatch):
     rows = glance_rows(result, indices=loads_of(result))
     every_load = glance_rows(result, indices=range(result.sizes["load"]))
     lines = [marked(line) for line in answers.answers(result, every_load, [[]] * result.sizes["load"])]
-    _, *places = asked_columns([result])
-    judged, asked = {}, [load_heading([result]), *(HEADINGS[place] for place in places)]
-    for heading, place in zip(asked, [0, *places], strict=True):
-        cells = [row[place] for row in rows]
+    columns = asked_columns([result])
+    judged, asked = {}, headings_of(columns, [result])
+    for heading, name in zip(asked, [LOAD, *columns], strict=True):
+        cells = [row[name] for row in rows]
         if any(cell.text != NOT_JUDGED for cell in cells):
             texts = [text for cell in cells for text in (cell.text, cell.details, cell.known)]
             judged[marked(heading)] = marked(words(" ".join([heading, *texts])))
@@ -133,8 +132,9 @@ def test_the_screen_has_the_cells_of_the_page(result, monkeypatch):
 def test_the_words_of_each_load_are_those_of_its_cells(result):
     rows = glance_rows(result, indices=loads_of(result))
     for cells, (_, text, *_) in zip(rows, each_load(result, []), strict=True):
-        for heading, cell in zip(HEADINGS[1:], cells[1:], strict=True):
-            words = ", ".join(filter(None, (f"{heading} {cell.text}", cell.details, cell.known)))
+        del cells[LOAD]
+        for name, cell in cells.items():
+            words = ", ".join(filter(None, (f"{HEADINGS[name]} {cell.text}", cell.details, cell.known)))
             assert (words in text) == (cell.text != "not judged")  # which needs no words at each load
 
 
@@ -163,12 +163,9 @@ def test_a_group_of_one_map_has_the_cells_of_the_map(result):
     (row,) = group_rows([NamedGroup("one", None, answer)])
     loads = loads_of(result) if result.sizes["load"] <= 3 else None
     for cells, of_group in zip(glance_rows(result, indices=loads), row["rows"], strict=True):
-        page, grouped = (
-            dict(zip(HEADINGS, cells, strict=True)),
-            dict(zip(GROUP_HEADINGS, of_group, strict=True)),
-        )
+        grouped = dict(zip(GROUP_HEADINGS, of_group, strict=True))
         for name in COMPARED:
-            assert grouped[TITLES[name]] == page[TITLES[name]]._replace(outcome="")
+            assert grouped[TITLES[name]] == cells[name]._replace(outcome="")
 
 
 def test_the_methods_have_the_digits_of_the_page(result):
@@ -184,7 +181,7 @@ def test_the_files_have_the_numbers_behind_the_words(result):
     frame = table(result)
     loads = result["force" if "force" in result else "mean_pressure"].values
     for index, cells in enumerate(glance_rows(result, indices=loads_of(result))):
-        for name, cell in zip(ANSWERS, cells[1:], strict=False):
+        for name, cell in ((name, cells[name]) for name in ANSWERS):
             if not ANSWERS[name].quantity or f"{ANSWERS[name].quantity}_lower" not in result:
                 continue
             known = float(result[f"{name}_known"][index])

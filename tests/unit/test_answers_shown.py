@@ -141,7 +141,7 @@ def test_lengths_of_the_table_have_one_unit_and_pressures_that_of_the_material(m
     ]
     results = [rc.contact_statistics(contact) for contact in contacts]
     rows = [glance.glance_rows(*pair)[0] for pair in zip(results, glance.glance_units(results), strict=True)]
-    units_of_cells = [[cell.text.partition(" ")[2] for cell in row[:4]] for row in rows]
+    units_of_cells = [[cell.text.partition(" ")[2] for cell in [*row.values()][:4]] for row in rows]
     assert units_of_cells == [["MPa", "%", "MPa", units_of_cells[0][3]]] * 2 + [
         ["kPa", "%", "kPa", units_of_cells[0][3]]
     ]
@@ -238,7 +238,7 @@ def test_periodic_results_beside_those_of_a_finite_body(tmp_path):
     series = {
         (labels["surface"], labels["case"]): data for labels, data in solved_results(collect_statistics(runs))
     }
-    loads = {case: glance.glance_rows(data)[0][0].text for (_, case), data in series.items()}
+    loads = {case: glance.glance_rows(data)[0][glance.LOAD].text for (_, case), data in series.items()}
     assert loads == {"whole": "1.00 MPa", "free": "1.00 mN", "free2": "2.00 mN"}
     assert glance.load_heading([*series.values()]) == "load"
     ((_, text),) = _comparisons(series, dict.fromkeys(series, (0, 0)), has_groups=False)
@@ -309,7 +309,7 @@ def test_the_conductance_of_a_joint_is_that_with_its_gas():
     }
     load = {name: ("load", [value]) for name, value in heat.items()}
     (cells,) = glance.glance_rows(xr.Dataset(load | {"contact_modulus": 1e11}), indices=[0])
-    cell = cells[1 + glance.COLUMN_NAMES.index("conductance")]
+    cell = cells["conductance"]
     assert cell.text == "260 kW/(m² K)"
     assert cell.details.endswith("heat, with film and gas")
 
@@ -328,7 +328,7 @@ def test_friction_says_what_it_takes_for_granted_and_how_warm_it_gets():
     )
     numbers = numbers.assign(contact_modulus=1e11, rms_height=1e-7, hardness_lower=4e8)
     numbers["max_flash_temperature"] = "load", [12.0]
-    columns = [glance.COLUMN_NAMES[place - 1] for place in glance.asked_columns([numbers])[1:]]
+    columns = glance.asked_columns([numbers])
     assert columns == ["friction_coefficient", "max_flash_temperature"]
     units = glance.glance_units([numbers])[0]
     friction, warm = (glance.interval_cell(numbers, name, units, 0) for name in columns)

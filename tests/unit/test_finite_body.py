@@ -25,7 +25,7 @@ from roughcontact.evaluation.pipeline import run_chain
 from roughcontact.interface.program import main
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.facts import surface_facts
-from roughcontact.report.glance import HEADINGS, Cell, asked_columns, glance_rows, load_heading
+from roughcontact.report.glance import LOAD, Cell, asked_columns, glance_rows, headings_of
 from roughcontact.report.load_plots import area_against_load
 from roughcontact.report.map_plots import pressure_map
 from roughcontact.report.panel import _fields
@@ -776,11 +776,11 @@ def test_the_page_of_a_body_shows_force_and_radius_and_no_empty_interval():
     contact = FREE | {"force": ["20 mN", "50 mN"]}
     answer = rc.evaluate(ground(1e-8, (64, 64)), contact=contact, form={"radius": "5 mm"}, **sources)
     # force, contact radius, approach and largest pressure come first; the mean pressure over the map is none
-    rows, places = glance_rows(answer), asked_columns([answer])
-    assert [row[0]._replace(outcome="") for row in rows] == [Cell("20.0 mN"), Cell("50.0 mN")]
-    headings = [load_heading([answer]), *(HEADINGS[place] for place in places[1:])]
+    rows = glance_rows(answer)
+    assert [row[LOAD]._replace(outcome="") for row in rows] == [Cell("20.0 mN"), Cell("50.0 mN")]
+    headings = headings_of(asked_columns([answer]), [answer])
     assert headings == ["force", "contact radius", "approach", "largest pressure"]
-    (approach,) = (rows[1][place] for place in places if HEADINGS[place] == "approach")
+    approach = rows[1]["mutual_approach"]
     distance, _, unit = approach.text.partition(" ")
     assert float(distance) * 1e-9 == pytest.approx(answer["mutual_approach"][1].item(), rel=5e-3)
     assert (unit, approach.details[0], approach.precision) == ("nm", "−", "to ± 20 %")
@@ -793,7 +793,7 @@ def test_the_page_of_a_body_shows_force_and_radius_and_no_empty_interval():
     ends = [1e6 * answer[f"contact_radius_{end}"][1].item() for end in ("lower", "upper")]
     assert [float(radius) - float(below[1:]), float(radius) + float(above)] == pytest.approx(ends, rel=0.01)
     # theories and flow are of half-spaces under a uniform pressure
-    assert {row[4] for row in glance_rows(answer)} == {Cell("not judged", "a body of finite size")}
+    assert {row["sealing"] for row in glance_rows(answer)} == {Cell("not judged", "a body of finite size")}
     drawn = read_chart(area_against_load(answer, ground(1e-8, (64, 64))), log="xy")
     assert set(drawn.legend) == {"solved, corrected", "solved, pixels counted"}
     budget = shown_budget(answer, [0, 1])

@@ -37,6 +37,13 @@ def numbers(**options):
     )
 
 
+def area_at(loads, areas, name="mean_pressure", **ends):
+    """Return the statistics of areas at some loads alone."""
+    columns = {name: loads, "relative_contact_area": areas}
+    columns |= {f"relative_contact_area_{end}": values for end, values in ends.items()}
+    return xr.Dataset({name: ("load", values) for name, values in columns.items()})
+
+
 def near(values, tolerance=WITHIN):
     return pytest.approx(np.asarray(values), rel=tolerance)
 
@@ -93,30 +100,29 @@ def test_contact_area_and_theories_against_the_load():
 
 
 def test_surfaces_side_by_side():
-    series = [("ground", LOADS[::-1], AREAS[::-1]), ("lapped", 2 * LOADS, AREAS)]
-    intervals = [(0.9 * area, 1.2 * area) for _, _, area in series]
-    drawn = read_chart(
-        load_plots.compare_areas(series, intervals=intervals, pressure=Unit(1e-6, "MPa")), log="xy"
-    )
+    loads = {"ground": LOADS, "lapped": 2 * LOADS}
+    results = {
+        name: area_at(load, AREAS, lower=0.9 * AREAS, upper=1.2 * AREAS) for name, load in loads.items()
+    }
+    drawn = read_chart(load_plots.compare_areas(results, pressure=Unit(1e-6, "MPa")), log="xy")
     assert "mean pressure (MPa)" in drawn.texts
     assert "Persson" not in drawn.legend  # over the pressure itself there is no line that fits all
     assert_room(drawn)
-    for (name, load, area), bars in zip(series, drawn.bars, strict=True):
-        marks, order = drawn.labelled(name), np.argsort(load)
-        assert marks.x == near(load[order] / 1e6)
-        assert marks.y == near(100 * area[order])
+    for (name, load), bars in zip(loads.items(), drawn.bars, strict=True):
+        marks = drawn.labelled(name)
+        assert marks.x == near(load / 1e6)
+        assert marks.y == near(100 * AREAS)
         (line,) = [line_drawn for line_drawn in drawn.lines if line_drawn.colour == marks.colour]
         assert (line.x, line.y) == (near(marks.x), near(marks.y))
         assert bars.colour == marks.colour
-        assert_bars(bars, load / 1e6, 90 * area, 120 * area)
+        assert_bars(bars, load / 1e6, 90 * AREAS, 120 * AREAS)
 
 
 def test_an_interval_down_to_nothing_does_not_squeeze_what_is_drawn():
     nothing = np.full(LOADS.size, 1e-12)
-    series = [("ground", LOADS / 1e9, AREAS)]
     statistics = numbers().assign(relative_contact_area_lower=("load", nothing))
     for chart in (
-        load_plots.compare_areas(series, intervals=[(nothing, AREAS)]),
+        load_plots.compare_areas({"ground": statistics}),
         load_plots.area_against_load(statistics, None),
     ):
         drawn = read_chart(chart, log="xy")
@@ -124,7 +130,9 @@ def test_an_interval_down_to_nothing_does_not_squeeze_what_is_drawn():
 
 
 def test_surfaces_side_by_side_relative_to_their_gradients():
-    drawn = read_chart(load_plots.compare_areas([("ground", LOADS / 1e9, AREAS)]), log="xy")
+    drawn = read_chart(
+        load_plots.compare_areas({"ground": area_at(LOADS / 1e9, AREAS, "relative_pressure")}), log="xy"
+    )
     assert "mean pressure / (contact modulus × rms gradient)" in drawn.texts
     assert_room(drawn)
     assert drawn.labelled("ground").x == near(LOADS / 1e9)
@@ -134,21 +142,22 @@ def test_surfaces_side_by_side_relative_to_their_gradients():
 
 
 def test_every_surface_of_many_has_a_mark_of_its_own():
-    series = [(f"s-{k}", LOADS / 1e9, AREAS * (1 - k / 100)) for k in range(20)]
-    drawn = read_chart(load_plots.compare_areas(series), log="xy")
-    assert [drawn.legend[name][0] for name, _, _ in series] == [COLOURS[k % len(COLOURS)] for k in range(20)]
+    results = {f"s-{k}": numbers() * (1 - k / 100) for k in range(20)}
+    drawn = read_chart(load_plots.compare_areas(results), log="xy")
+    assert [drawn.legend[name][0] for name in results] == [COLOURS[k % len(COLOURS)] for k in range(20)]
 
 
 def test_surfaces_are_colours_and_cases_are_line_styles():
     names = [(surface, case) for case in range(2) for surface in range(2)]
-    series = [(f"{surface} · {('first', 'second')[case]}", LOADS, AREAS) for surface, case in names]
-    drawn = read_chart(load_plots.compare_areas(series, styles=names, pressure=Unit(1e-6, "MPa")), log="xy")
+    results = {f"{surface} · {('first', 'second')[case]}": area_at(LOADS, AREAS) for surface, case in names}
+    drawn = read_chart(load_plots.compare_areas(results, names, pressure=Unit(1e-6, "MPa")), log="xy")
     seen = [(line.colour, line.style) for line in drawn.lines]
     assert seen == [(COLOURS[surface], "6 3" if case else "") for surface, case in names]
     assert [drawn.legend[str(surface)][0] for surface in range(2)] == [colour for colour, _ in seen[:2]]
     assert [drawn.legend[case][1] for case in ("first", "second")] == ["#444444", "none"]  # filled, and not
     assert len(drawn.legend) == 4  # each surface and each case once
-    assert seen == [tuple(load_plots.line_sample(*name).values()) for name in names]
+    styles = [load_plots.line_style(*name) for name in names]
+    assert seen == [(style["colour"], style["dash"]) for style in styles]
 
 
 def test_gap_against_the_load():

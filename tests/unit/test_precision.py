@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
+from roughcontact.arguments.answers import ANSWERS, AREA
 from roughcontact.arguments.quantities import Unit
 from roughcontact.report.glance import glance_rows, interval_cell
 from roughcontact.results.collect import table
@@ -61,7 +62,7 @@ def test_an_interval_that_rests_on_a_property_says_so():
     flows = result["load_share_above_hardness"].values > 0
     assert flows.tolist() == [False, True]
     for cells, limited in zip(glance_rows(result), flows, strict=True):
-        area, pressure, gap, conductance = (cells[column] for column in (1, 2, 3, 7))
+        area, pressure, gap, *_, conductance = (cells[name] for name in ANSWERS)
         for cell in (area, pressure):
             assert cell.remark == ("hardness taken as exact" if limited else ""), cell
             assert cell.known.endswith(", hardness taken as exact") == limited
@@ -103,9 +104,9 @@ def test_the_page_says_what_the_files_say(statistics):
     for load, cells in enumerate(glance_rows(statistics)):
         known = float(statistics["relative_contact_area_known"][load])
         if known <= 0.3:
-            assert cells[1].precision == f"to ± {max(10, 5 * math.ceil(20 * known))} %"
+            assert cells[AREA].precision == f"to ± {max(10, 5 * math.ceil(20 * known))} %"
         else:
-            assert not re.match(r"to ±", html.unescape(cells[1].precision))
+            assert not re.match(r"to ±", html.unescape(cells[AREA].precision))
 
 
 def test_a_yes_or_no_is_known_where_its_interval_lies_on_one_side():

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import compress
-from typing import Any, TypedDict, Unpack
+from typing import Any
 from urllib.parse import quote
 
 import numpy as np
@@ -46,24 +46,17 @@ _OUTLINES = {
 
 Rectangle = tuple[float, float, float, float]  # left, top, width, height
 
-
-class Style(TypedDict, total=False):
-    """How a line and its marks look."""
-
-    colour: str
-    width: float  # of the line, pixels; 0: none
-    dash: str  # dashes and gaps
-    marker: str  # one of `MARKERS`
-    filled: bool
-    label: str  # in the legend; empty: not listed
-    listed: bool
-    read: bool
-
-
-_LINE: Style = {"width": 1.5, "dash": "", "label": "", "read": True}
-_ACROSS: Style = {"colour": GREY, "width": 1.3}
-_MARKS: Style = {"marker": "o", "filled": True, "width": 0.0, "dash": "", "label": "", "listed": True}
-_KEY: Style = {"marker": "", "filled": True, "width": 1.0, "dash": ""}
+# How a line and its marks look unless stated, beside their `colour`: `width` of the line in pixels (0: none),
+# `dash` (dashes and gaps), `marker` (one of `MARKERS`); `label` in the legend (empty: not listed).
+_LINE: dict[str, Any] = {"width": 1.5, "dash": "", "label": "", "read": True}
+_MARKS: dict[str, Any] = {
+    "marker": "o",
+    "filled": True,
+    "width": 0.0,
+    "dash": "",
+    "label": "",
+    "listed": True,
+}
 
 
 @dataclass(frozen=True)
@@ -140,6 +133,12 @@ def load_label(unit: Unit) -> str:
     return f"mean pressure ({unit.symbol})"
 
 
+def series_style(index: int) -> dict[str, str]:
+    """Return colour and mark of one of several lines; another mark when the colours begin again."""
+    marker = MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
+    return {"colour": COLOURS[index % len(COLOURS)], "marker": marker}
+
+
 def _decades(low: float, high: float, max_count: int) -> tuple[list[float], list[float]]:
     """Return the ticks of a logarithmic axis: powers of ten, where there are few also 2 and 5 times these."""
     lowest, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
@@ -195,29 +194,24 @@ class Chart:
         x0, top, right, bottom = self.margins or (6 * self.letters, above, 18.0, 3.5 * self.letters)
         return x0, top, self.size[0] - x0 - right, self.size[1] - top - bottom
 
-    def line(self, x: np.ndarray, y: np.ndarray, **style: Unpack[Style]) -> None:
+    def line(self, x: np.ndarray, y: np.ndarray, **style: Any) -> None:
         """Draw a line through points, interrupted at NaN; without `read` values cannot be read from it."""
         self.note("line", x=x, y=y, path=self._path(x, y), **_LINE | style)
 
-    def marks(self, x: np.ndarray, y: np.ndarray, **style: Unpack[Style]) -> None:
+    def marks(self, x: np.ndarray, y: np.ndarray, **style: Any) -> None:
         """Draw marks at points, joined by a line where it has a width.
 
         Without `listed` the label stands beside values that are read, and not in the legend.
         """
-        style_values = _MARKS | style
-        if width := style_values["width"]:
-            self.line(x, y, colour=style_values["colour"], width=width, dash=style_values["dash"], read=False)
+        style = _MARKS | style
+        if style["width"]:
+            self.line(x, y, **{key: style[key] for key in ("colour", "width", "dash")}, read=False)
         points = [point for point in zip(*self._pixels(x, y), strict=True) if np.isfinite(point).all()]
-        self.note("marks", x=x, y=y, places=points, **style_values)
+        self.note("marks", x=x, y=y, places=points, **style)
 
     def series(self, index: int, x: np.ndarray, y: np.ndarray, *, label: str) -> None:
         """Draw one of several lines with marks, in its own colour and mark."""
-        colour, marker = COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)]
-        self.marks(x, y, colour=colour, marker=marker, width=1.5, label=label)
-
-    def key(self, **style: Unpack[Style]) -> None:
-        """List a line, with a mark in its middle or without, in the legend."""
-        self.note("key", **_KEY | style)
+        self.marks(x, y, **series_style(index), width=1.5, label=label)
 
     def bars(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
         """Draw error bars, which may be asymmetric; one that leaves the axes ends at their edge.
@@ -239,24 +233,24 @@ class Chart:
         )
         self.note("bars", x=x, lower=lower, upper=upper, colour=colour, path=path)
 
-    def across(self, *, x: float | None = None, y: float | None = None, **style: Unpack[Style]) -> None:
+    def across(
+        self,
+        *,
+        x: float | None = None,
+        y: float | None = None,
+        label: str,
+        colour: str = GREY,
+        dash: str = DASHED,
+    ) -> None:
         """Draw a straight line across the chart at a value of x or y."""
         ends_x = np.array([self.x.low, self.x.high] if x is None else [x, x])
         ends_y = np.array([self.y.low, self.y.high] if y is None else [y, y])
-        self.line(ends_x, ends_y, **_ACROSS | {"read": bool(style.get("label"))} | style)
+        self.line(ends_x, ends_y, width=1.3, colour=colour, dash=dash, label=label, read=bool(label))
 
     def band(self, low: float, high: float, *, label: str = "") -> None:
         """Shade the range between two values of x."""
         x0, right = np.clip(self.x.position(np.array([low, high])), 0, 1) * self.area[2]
         self.note("band", left=x0, right=right, label=label)
-
-    def write(self, left: float, low: float, text: str) -> None:
-        """Write a text from a place (pixels) within the axes on, legible across lines."""
-        self.note("write", left=left, low=low, words=text)
-
-    def picture(self, source: str, *, smooth: bool) -> None:
-        """Lay a picture (data URI) over the area between the axes, with points as rectangles or `smooth`."""
-        self.note("picture", source=source, smooth=smooth)
 
     def colour_bar(
         self, axis: Axis, colours: Sequence[str], arrows: tuple[bool, bool] = (False, False)
@@ -274,24 +268,22 @@ class Chart:
 
     def source(self) -> str:
         """Return the chart as a data URI, with its legend below it."""
-        area = self.area
-        sides = [(self.x, "bottom", self.grid), (self.y, "left", self.grid)]
-        sides += [(self.top, "top", False)] if self.top else []
+        area, sides = self.area, {"bottom": self.x, "left": self.y, "top": self.top}
         legend, rows = self._legend_below()
         axes = {"x": self.x.reading(), "y": self.y.reading(), "area": [round(side, 1) for side in area]}
         reading = html.escape(json.dumps(axes | self.reading, ensure_ascii=False), quote=False)
-        variables = {
-            "axes": [self._ticks(axis, side, area, grid) for axis, side, grid in sides],
-            "area": area,
-            "size": (self.size[0], self.size[1] + rows),
-            "legend": legend,
-            "outlines": _OUTLINES,
+        svg = template("chart.svg").render(
+            vars(self),
+            axes=[self._ticks(axis, side, area, self.grid) for side, axis in sides.items() if axis],
+            area=area,
+            size=(self.size[0], self.size[1] + rows),
+            legend=legend,
+            outlines=_OUTLINES,
             # without the array of a map: what a template is given lives on until garbage is looked for
-            "steps": [step for step in self.steps if step[0] != "values"],
+            steps=[step for step in self.steps if step[0] != "values"],
             # the double quotes of JSON take less room as they are
-            "reading": reading.replace("'", "&#39;"),
-        }
-        svg = template("chart.svg").render(vars(self) | variables)
+            reading=reading.replace("'", "&#39;"),
+        )
         return data_uri(svg.replace("\n", ""))  # a line break would be encoded, three bytes each
 
     def note(self, method: str, **arguments: Any) -> None:
@@ -355,7 +347,7 @@ class Chart:
             name = min(max(far, letters), self.size[0] - 4), middle, axis.label, "middle", True
         line = f"M{x0:.1f} {edge:.1f}h{width:.1f}" if flat else f"M{edge:.1f} {top:.1f}v{height:.1f}"
         return {
-            "grid": stubs(written, -sign * (height if flat else width)) if grid else "",
+            "grid": stubs(written, -sign * (height if flat else width)) if grid and side != "top" else "",
             "line": line + stubs(written, 4.5 * sign) + stubs(interior, 2.5 * sign),
             "texts": [*((*point, text, anchor) for point, text in zip(points, texts, strict=True)), name],
         }

@@ -48,13 +48,9 @@ from roughcontact.statistics.precision import is_known, precision_in_words
 
 AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
 NOT_JUDGED = "not judged"
-_FURTHER = [name for name in ASKED_BY if name not in ANSWERS]
-COLUMN_NAMES = (*ANSWERS, *_FURTHER)  # that follow the load
-HEADINGS = (
-    TITLES["mean_pressure"],
-    *(answer.heading for answer in ANSWERS.values()),
-    *(TITLES.get(name, name) for name in _FURTHER),
-)
+LOAD = "mean_pressure"  # name of the first column
+HEADINGS = {LOAD: TITLES[LOAD]} | {name: answer.heading for name, answer in ANSWERS.items()}
+HEADINGS |= {name: TITLES.get(name, name) for name in ASKED_BY if name not in ANSWERS}
 IN_WORDS = [answer.heading for answer in ANSWERS.values() if not answer.quantity]  # they hold no number
 
 CLOSED_IN_WORDS = "closed (< 1 nm)"
@@ -62,16 +58,20 @@ _NO_INTERVAL = "no ±"
 _EXACT = "taken as exact"  # ends a remark that holds at all loads of a surface
 _OF_JOINT = "of the joint"  # ends its resistance, which stands in the line of the answer
 _DECIDED, _NOT_DECIDED = "decided", "not decided"  # of a yes or no
-_OF_YIELD = (  # numbers of a load, or of the surface, that tell whether a body yields
-    *("volume_above_yield", "load_share_above_hardness", "area_share_above_hardness", "hardness"),
-    *("contact_modulus", "mean_contact_pressure", PEAK),
-)
+_FLOWING = ("load_share_above_hardness", "area_share_above_hardness")
 # a number in proportion to a property of the bodies -> the one whose sources its ± has, and that property
 _FACTORS = {
     "friction_coefficient": (AREA, "shear_strength"),
     "thermal_conductance": (CONDUCTANCE, "thermal_conductivity"),
     "electrical_conductance": (CONDUCTANCE, "electrical_resistivity"),
     "joint_conductance": ("joint_conductance", "thermal_conductivity"),
+}
+# the conductances of a joint, of which the first that is known is shown, in words
+_CONDUCTANCES = {
+    "joint_conductance": "heat, with film and gas",
+    "thermal_conductance": "heat",
+    "electrical_conductance": "current",
+    CONDUCTANCE: "by conductivity",
 }
 _COMMON_UNIT_RATIO = 100.0  # ratio of rms heights up to which one unit does for all
 
@@ -124,27 +124,31 @@ def usable_loads(numbers: xr.Dataset) -> list[int]:
     return usable[shown_loads(areas[usable])].tolist()
 
 
-def asked_columns(results: Sequence[xr.Dataset]) -> list[int]:
-    """Return the places in `HEADINGS` of the load and of what any of some surfaces is asked for.
+def asked_columns(results: Sequence[xr.Dataset]) -> list[str]:
+    """Return the names of the columns of what any of some surfaces is asked for.
 
     The largest pressure that is allowed is asked for beside the usual numbers.
 
     Examples
     --------
     >>> seal, bearing = xr.Dataset({"leak_rate_x": ("load", [1e-9])}), xr.Dataset({"allowed_pressure": 1e9})
-    >>> [[HEADINGS[place] for place in asked_columns([result])[1:]] for result in (seal, bearing)]
+    >>> [[HEADINGS[name] for name in asked_columns([result])] for result in (seal, bearing)]
     [['seals?'], ['contact area', 'pressure in contact', 'mean gap', 'largest pressure']]
-    >>> [HEADINGS[place] for place in asked_columns([xr.Dataset({"joint_area": 1e-6})])[1:]]
+    >>> [HEADINGS[name] for name in asked_columns([xr.Dataset({"joint_area": 1e-6})])]
     ['conductance']
-    >>> [HEADINGS[place] for place in asked_columns([xr.Dataset({"contact_radius": ("load", [5e-5])})])[1:]]
+    >>> [HEADINGS[name] for name in asked_columns([xr.Dataset({"contact_radius": ("load", [5e-5])})])]
     ['contact radius', 'largest pressure']
     """
     columns: set[str] = set()
     for numbers in results:
         names = names_asked(numbers)
         columns |= names if names - {PEAK} else {*USUAL, *names}
-    order = [*USUAL, *ASKED_BY]
-    return [0, *(1 + COLUMN_NAMES.index(name) for name in order if name in columns)]
+    return [name for name in (*USUAL, *ASKED_BY) if name in columns]
+
+
+def headings_of(columns: Sequence[str], results: Sequence[xr.Dataset]) -> list[str]:
+    """Return the headings of the load, as it is stated for some surfaces, and of these columns."""
+    return [load_heading(results), *(HEADINGS[name] for name in columns)]
 
 
 def verdict_on_asked(numbers: xr.Dataset, indices: Sequence[int], verdict: str) -> str:
@@ -156,7 +160,7 @@ def verdict_on_asked(numbers: xr.Dataset, indices: Sequence[int], verdict: str) 
     >>> verdict_on_asked(seal, [0], "passed")
     'review'
     """
-    names = _asked_answers(numbers) - {*USUAL}
+    names = {*asked_columns([numbers])} - {*USUAL}
     outcomes = [outcome_of(numbers, index, name) for name in names for index in indices]
     return max(verdict, *filter(None, outcomes), key=[*VERDICTS].index) if any(outcomes) else verdict
 
@@ -171,13 +175,8 @@ def main_doubt(numbers: xr.Dataset, doubts: Sequence[Check]) -> Check | None:
     >>> main_doubt(rubbing, [gap, area]).name, main_doubt(xr.Dataset(), [gap, area]).name
     ('Noise', 'Sample')
     """
-    answers = {*_asked_answers(numbers), AREA, PRESSURE}
+    answers = {*asked_columns([numbers]), AREA, PRESSURE}
     return next((check for check in doubts if answers & {*check.answers}), None)
-
-
-def _asked_answers(numbers: xr.Dataset) -> set[str]:
-    """Return the names of the columns that a surface is asked for."""
-    return {COLUMN_NAMES[place - 1] for place in asked_columns([numbers])[1:]}
 
 
 def load_heading(results: Sequence[xr.Dataset]) -> str:
@@ -189,7 +188,7 @@ def load_heading(results: Sequence[xr.Dataset]) -> str:
     >>> load_heading([ball]), load_heading([seal]), load_heading([ball, seal])
     ('force', 'mean pressure', 'load')
     """
-    headings = {"force" if has_number(numbers, "force") else HEADINGS[0] for numbers in results}
+    headings = {"force" if has_number(numbers, "force") else HEADINGS[LOAD] for numbers in results}
     return headings.pop() if len(headings) == 1 else "load"
 
 
@@ -206,35 +205,32 @@ def exact_remarks(cells: Sequence[Cell]) -> str:
     return f"{text[0].upper()}{text[1:]}." if text else ""
 
 
-def answer_line(numbers: xr.Dataset, index: int, cells: Sequence[Cell], *, alone: bool = False) -> str:
+def answer_line(numbers: xr.Dataset, index: int, cells: Mapping[str, Cell], *, alone: bool = False) -> str:
     """Return what a surface is asked for at a load, whose cells of `glance_rows` these are, in one line.
 
     Whether what is allowed holds comes first. A line that is `alone` has all that the cells have.
     """
-    words, places = [], asked_columns([numbers])[1:]
+    words, asked = [], {name: cells[name] for name in asked_columns([numbers])}
     names_allowed = stated_allowed(numbers)
     allowed = [allowed_in_words(numbers, name, index) for name in names_allowed]
     brief = {allowed_in_words(numbers, name, index, brief=True) for name in names_allowed}
-    remarks = Counter(cells[column].remark for column in places)
+    remarks = Counter(cell.remark for cell in asked.values())
     repeated = [remark for remark, count in remarks.items() if remark and count > 1]
-    for column in places:
-        name, cell = COLUMN_NAMES[column - 1], cells[column]
-        subject = (
-            ""
-            if HEADINGS[column] in IN_WORDS and cell.text != NOT_JUDGED
-            else f"{ANSWERS[name].words if name in ANSWERS else HEADINGS[column]} "
-        )
+    for name, cell in asked.items():
+        subject = ANSWERS[name].words if name in ANSWERS else HEADINGS[name]
+        if HEADINGS[name] in IN_WORDS and cell.text != NOT_JUDGED:
+            subject = ""
         known = [cell.precision if cell.remark in repeated else cell.known]
         details = [part for part in cell.details.split("; ") if part not in brief]
         if alone:
-            verdict = "" if cell.outcome == cells[0].outcome else VERDICTS.get(cell.outcome, "")
+            verdict = "" if cell.outcome == cells[LOAD].outcome else VERDICTS.get(cell.outcome, "")
             known = [*details, *known, verdict]
         else:  # the interval alone; beside a yes or no the number behind it
             totals = [part for part in details[1:] if part.endswith(_OF_JOINT) and not allowed]
             known = [*(part.split(", ")[0] if subject else part for part in details[:1]), *known, *totals]
         precision = ", ".join(filter(None, known))
-        words.append(f"{subject}{cell.text}{f' ({precision})' if precision else ''}")
-    line = "; ".join([f"at {cells[0].text}: {', '.join(words)}", *repeated])
+        words.append(f"{subject} {cell.text}".lstrip() + (f" ({precision})" if precision else ""))
+    line = "; ".join([f"at {cells[LOAD].text}: {', '.join(words)}", *repeated])
     return " ".join(f"{text[0].upper()}{text[1:]}." for text in [*allowed, line])
 
 
@@ -256,51 +252,44 @@ def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
     Lengths have that of all unless the rms heights differ more than `_COMMON_UNIT_RATIO` times.
     """
     rms = [value for result in results if (value := float(result.get("rms_height", 0.0))) > 0]
-    common_units = median_numbers(results) if not rms or max(rms) <= _COMMON_UNIT_RATIO * min(rms) else None
+    common = median_numbers(results) if not rms or max(rms) <= _COMMON_UNIT_RATIO * min(rms) else None
     return [
-        {
-            name: unit_of(result if unit == "Pa" or common_units is None else common_units, unit)
-            for name, unit in UNITS.items()
-        }
+        {name: unit_of(result if unit == "Pa" else common or result, unit) for name, unit in UNITS.items()}
         for result in results
     ]
 
 
 def glance_rows(
     numbers: xr.Dataset, units: Mapping[str, Unit] | None = None, indices: Sequence[int] | None = None
-) -> list[list[Cell]]:
-    """Return for two or three loads of a surface, loads rising, the cells below `HEADINGS`.
+) -> list[dict[str, Cell]]:
+    """Return for two or three loads of a surface, loads rising, the cells by the names in `HEADINGS`.
 
     An absent or NaN number counts as not asked for; `units` and `indices` default to those of this surface.
     """
     units = glance_units([numbers])[0] if units is None else units
     indices = shown_loads(numbers[AREA].values) if indices is None else indices
     plain = {str(name): variable.values for name, variable in numbers.variables.items()}
-    rows = []
-    for index in indices:
-        row = [_load_cell(plain, units, index)]
-        for name in COLUMN_NAMES:
-            if name in _CELLS:
-                cell = _CELLS[name](plain, units, index)
-            elif name in _FURTHER and not has_number(plain, name):
-                cell = Cell(NOT_JUDGED)
-            else:
-                cell = interval_cell(plain, name, units, index)
-            # what is not judged has no verdict
-            if cell.text != NOT_JUDGED:
-                allowed = [
-                    allowed_in_words(plain, key, index, brief=True) for key in stated_allowed(plain, name)
-                ]
-                details = "; ".join(filter(None, [cell.details, *allowed]))
-                cell = cell._replace(details=details, outcome=outcome_of(plain, index, name))
-            row.append(cell)
-        rows.append(row)
-    return rows
+    return [{name: _cell(plain, name, units, index) for name in HEADINGS} for index in indices]
+
+
+def _cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> Cell:
+    """Return the cell of a column at a load, with what is allowed, and the verdict on what is judged."""
+    if name in _CELLS:
+        cell = _CELLS[name](numbers, units, index)
+    elif name in (LOAD, *ANSWERS) or has_number(numbers, name):
+        cell = interval_cell(numbers, name, units, index)
+    else:
+        cell = Cell(NOT_JUDGED)
+    if cell.text == NOT_JUDGED:
+        return cell
+    allowed = [allowed_in_words(numbers, key, index, brief=True) for key in stated_allowed(numbers, name)]
+    details = "; ".join(filter(None, [cell.details, *allowed]))
+    return cell._replace(details=details, outcome=outcome_of(numbers, index, "" if name == LOAD else name))
 
 
 def _load_cell(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return the mean pressure of a load, or the force that was stated, of a nominal area with both."""
-    cell = interval_cell(numbers, "mean_pressure", units, index)._replace(outcome=outcome_of(numbers, index))
+    cell = interval_cell(numbers, LOAD, units, index)
     if not has_number(numbers, "force"):
         return cell
     # that of a body of finite size is over a map of any size
@@ -323,10 +312,9 @@ def outcome_of(numbers: Numbers, index: int, answer: str = "") -> str:
 
 def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> Cell:
     """Return a number of a load, its interval, and how well it is known; of a limited one the limit."""
-    factor, symbol = units[name]
-    text, _, interval = number_text(numbers, name, units[name], index).partition(" ")
-    shown = f"{text} {symbol}".rstrip()
-    has_range = "hardness_lower" in numbers
+    unit, has_range = units[name], "hardness_lower" in numbers
+    text, _, interval = number_text(numbers, name, unit, index).partition(" ")
+    shown = f"{text} {unit.symbol}".rstrip()
     is_hardness = name == PEAK and bool(hardness_reached(numbers)[index])
     if is_hardness and not has_range:
         return Cell(shown, "the hardness, taken as exact")
@@ -335,17 +323,17 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     limited = name in QUANTITIES and QUANTITIES[name].limits is not None and PEAK in numbers
     share = numbers.get("load_share_above_hardness")  # of a group of maps it is not known
     flows = limited and bool((hardness_reached(numbers) if share is None else np.greater(share, 0))[index])
-    value, lower, upper = (bound * factor for bound in interval_at(numbers, name, index))
+    value, lower, upper = interval_at(numbers, name, index)
     remarks = ["hardness taken as exact"] if flows and not has_range else []
     if cause := "hardness" if is_hardness else _largest_cause(numbers, name, index):
         remarks.append(f"most of it by the {cause}")
     _, factor_name = _FACTORS.get(name, ("", ""))
     if factor_name and f"{factor_name}_lower" not in numbers:
         remarks.append(f"{_in_words(factor_name)} {_EXACT}")
-    precision = precision_in_words(value, lower, upper, Unit(1.0, symbol))
+    precision = precision_in_words(value, lower, upper, unit)
     remark = ", ".join(remarks) if is_known(value, lower, upper) else ""
-    if name == GAP and min(value, upper) < CLOSED * factor:  # a NaN end is no smaller
-        open_elsewhere = f"up to {Unit(1.0, symbol).text(upper)}" if upper >= CLOSED * factor else ""
+    if name == GAP and min(value, upper) < CLOSED:  # a NaN end is no smaller
+        open_elsewhere = f"up to {unit.text(upper)}" if upper >= CLOSED else ""
         return Cell(CLOSED_IN_WORDS, open_elsewhere, precision="" if open_elsewhere else "to 1 nm")
     return Cell(shown, interval.strip("()"), precision=precision, remark=remark)
 
@@ -384,23 +372,18 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
         return Cell(NOT_JUDGED, reason)
     if lifts := fluid_in_words(numbers, index):
         return Cell("leaks", lifts, precision=_DECIDED)
-    decisions = {axis: gap_is_closed(numbers, axis)[index] for axis in "xy"}
-    open_axes = [axis for axis in "xy" if float(numbers[f"gap_percolates_{axis}"][index])]
-    leaking = [
-        axis
-        for axis in open_axes
-        if not interval_at(numbers, f"critical_constriction_{axis}", index)[0]
-        <= closed_opening(numbers, axis)[index]
-    ]
-    is_open = [
-        axis for axis in "xy" if decisions[axis] == 0 or (np.isnan(decisions[axis]) and axis in leaking)
-    ]
-    judged = [axis for axis in "xy" if has_number(numbers, f"critical_constriction_{axis}_lower")]
-    undecided = [axis for axis in judged if np.isnan(decisions[axis])]
+    open_axes, leaking, judged, undecided = [], [], [], []
+    for axis in "xy":
+        decision, name = gap_is_closed(numbers, axis)[index], f"critical_constriction_{axis}"
+        is_wide = not interval_at(numbers, name, index)[0] <= closed_opening(numbers, axis)[index]
+        open_axes += [axis] if float(numbers[f"gap_percolates_{axis}"][index]) else []
+        leaking += [axis] if decision == 0 or (np.isnan(decision) and axis in open_axes and is_wide) else []
+        judged += [axis] if has_number(numbers, f"{name}_lower") else []
+        undecided += [axis] if axis in judged and np.isnan(decision) else []
     precision = "" if len(judged) < 2 else _NOT_DECIDED if undecided else _DECIDED
-    axes_shown = [axis for axis in "xy" if axis in is_open + undecided]
-    details = [] if is_open or open_axes else ["gap closed along x and y"]
-    if not is_open and open_axes and not undecided:
+    axes_shown = [axis for axis in "xy" if axis in leaking + undecided]
+    details = [] if leaking or open_axes else ["gap closed along x and y"]
+    if not leaking and open_axes and not undecided:
         details.append(f"leaks less than {units['leak_rate_x'].text(TIGHT)}, which counts as nothing")
     for sentence, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
         if axes_shown and has_number(numbers, f"{name}_x"):
@@ -408,11 +391,8 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
             if len(axes_shown) == 2 and len(set(result.values())) == 1:  # one place decides both ways
                 result = {"x and y": result["x"]}
             details.append(f"{sentence} {', '.join(f'{text} ({axis})' for axis, text in result.items())}")
-    if not is_open:
-        return Cell("seals", "; ".join(details), precision=precision)
-    sealing_axis = {"x": "y", "y": "x"}[is_open[0]]
-    answer = "leaks" if len(is_open) == 2 else f"seals along {sealing_axis}, leaks along {is_open[0]}"
-    return Cell(answer, "; ".join(details), precision=precision)
+    answer = {"": "seals", "x": "seals along y, leaks along x", "y": "seals along x, leaks along y"}
+    return Cell(answer.get("".join(leaking), "leaks"), "; ".join(details), precision=precision)
 
 
 def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> str:
@@ -428,7 +408,7 @@ def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return whether a body yields at a load, at its surface or below."""
     load = {
         name: np.asarray(numbers[name])[index] if np.ndim(numbers[name]) else numbers[name]
-        for name in _OF_YIELD
+        for name in ("volume_above_yield", "hardness", "contact_modulus", PRESSURE, PEAK, *_FLOWING)
         if name in numbers
     }
     below = float(load.get("volume_above_yield", np.nan)) > 0  # infinite where all of the body yields
@@ -439,9 +419,8 @@ def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
         decision = is_yielding(numbers)[index]
         has_interval = has_number(numbers, f"{PEAK}_lower") or has_number(numbers, f"{PEAK}_upper")
         precision = "" if not has_interval else _NOT_DECIDED if np.isnan(decision) else _DECIDED
-        reaches_hardness = PEAK in load and bool(hardness_reached(load))
-        details = "hardness just reached" if reaches_hardness else "hardness nowhere reached"
-        details = f"{percent(share)} of the load flows" if share > 0 else details
+        reached = "just" if PEAK in load and hardness_reached(load) else "nowhere"
+        details = f"{percent(share)} of the load flows" if share > 0 else f"hardness {reached} reached"
         return Cell("yes" if share > 0 or decision == 1 else "no", details, precision=precision)
     if below or has_number(load, "volume_above_yield"):
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
@@ -454,29 +433,24 @@ def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
 
 def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return the conductance of the joint, of heat or of current, or that by conductivity."""
-    for name, sentence in (
-        ("joint_conductance", "heat, with film and gas"),
-        ("thermal_conductance", "heat"),
-        ("electrical_conductance", "current"),
-        (CONDUCTANCE, "by conductivity"),
-    ):
-        if has_number(numbers, name):
-            main = interval_cell(numbers, name, units, index)
-            details = [f"{main.details}, {sentence}" if main.details else sentence]
-            if (resistance := name.replace("conductance", "resistance")) in numbers:
-                cell = interval_cell(numbers, resistance, units, index)
-                has_interval = main.details != _NO_INTERVAL
-                details.append(_unbroken(numbers, resistance, units, index) if has_interval else cell.text)
-            total = f"total_{'electrical' if name.startswith('electrical') else 'thermal'}_resistance"
-            allowed = [ALLOWED_VALUES[key].numbers for key in stated_allowed(numbers, "conductance")]
-            if "joint_area" in numbers and total in numbers and (total,) not in allowed:
-                details.append(f"{_unbroken(numbers, total, units, index)} {_OF_JOINT}")
-            return main._replace(details="; ".join(details))
-    return Cell(NOT_JUDGED)
+    if not (name := next((name for name in _CONDUCTANCES if has_number(numbers, name)), "")):
+        return Cell(NOT_JUDGED)
+    main = interval_cell(numbers, name, units, index)
+    details = [", ".join(filter(None, (main.details, _CONDUCTANCES[name])))]
+    if (resistance := name.replace("conductance", "resistance")) in numbers:
+        cell = interval_cell(numbers, resistance, units, index)
+        has_interval = main.details != _NO_INTERVAL
+        details.append(_unbroken(numbers, resistance, units, index) if has_interval else cell.text)
+    total = f"total_{'electrical' if name.startswith('electrical') else 'thermal'}_resistance"
+    allowed = [ALLOWED_VALUES[key].numbers for key in stated_allowed(numbers, "conductance")]
+    if "joint_area" in numbers and total in numbers and (total,) not in allowed:
+        details.append(f"{_unbroken(numbers, total, units, index)} {_OF_JOINT}")
+    return main._replace(details="; ".join(details))
 
 
 # of the answers that are more than a number with its interval
 _CELLS: dict[str, Callable[[Numbers, Mapping[str, Unit], int], Cell]] = {
+    LOAD: _load_cell,
     "sealing": _seals,
     "yield": _yields,
     "conductance": _conducts,

@@ -10,26 +10,8 @@ from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, AREA, COMPAR
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import Unit, percent, quantity, with_interval
 from roughcontact.arguments.variables import has_number
-from roughcontact.report.allowed import (
-    FAILS,
-    HOLDING,
-    HOLDS,
-    NOT_DECIDED,
-    limit_in_words,
-    stated_allowed,
-)
-from roughcontact.report.glance import (
-    CLOSED_IN_WORDS,
-    COLUMN_NAMES,
-    IN_WORDS,
-    Cell,
-    asked_columns,
-    glance_rows,
-    glance_units,
-    interval_cell,
-    shown_loads,
-)
-from roughcontact.report.glance import HEADINGS as HEADINGS_OF_COLUMNS
+from roughcontact.report import allowed, glance
+from roughcontact.report.glance import Cell
 from roughcontact.report.load_plots import group_areas
 from roughcontact.report.units import hardness_reached, stated_loads, unit_of
 from roughcontact.statistics.decisions import CLOSED
@@ -47,18 +29,42 @@ _FINEST = 1e-3  # of a ratio: half-width of which two digits are shown
 
 Row = dict[str, Any]
 Load = tuple[xr.Dataset, int]  # statistics of a surface, and the place of a load among theirs
+Key = tuple[str, str | None]  # surface and case
 
 
-def group_rows(
-    groups: Sequence[NamedGroup], verdicts: Mapping[tuple[str, str | None], str] | None = None
-) -> list[Row]:
+def name_under(surface: str, *cases: str | None) -> str:
+    """Return the name of a surface, under a case or several, on the page."""
+    return " · ".join(filter(None, [str(surface), ", ".join(filter(None, cases))]))
+
+
+def answer_of_several(
+    groups: Sequence[NamedGroup],
+    comparisons: Mapping[tuple[str, str], xr.Dataset],
+    series: Mapping[Key, xr.Dataset],
+    last: Mapping[Key, int],
+) -> str:
+    """Return what several surfaces, or groups of maps, are asked for, in one line.
+
+    `series` has the statistics of each surface, loads rising, `last` the load at which it is asked.
+    """
+    # members of a group that is compared with no other: nobody asked for that
+    alone = [group for group in groups if not group.members.is_compared]
+    uncompared = {name_under(name, group.case) for group in alone for name in group.answer["map"].values}
+    asked = {labels: table for labels, table in comparisons.items() if not uncompared & {*labels}}
+    if groups or not series:
+        return differences_in_words(asked) or groups_in_words(groups, series)
+    results = {name_under(*key): (data, last[key]) for key, data in series.items()}
+    return differences_in_words(asked) or surfaces_in_words(results)
+
+
+def group_rows(groups: Sequence[NamedGroup], verdicts: Mapping[Key, str] | None = None) -> list[Row]:
     """Return for each group its `name`, what it is `of`, its `remarks`, and `rows` of cells by `HEADINGS`.
 
     `verdicts` are those of the maps, by name and case, in words.
     """
     if not groups:
         return []
-    units = glance_units([group.answer for group in groups])
+    units = glance.glance_units([group.answer for group in groups])
     return [
         {
             "name": group.label,
@@ -73,7 +79,7 @@ def group_rows(
 
 def _shown(group: NamedGroup) -> list[int]:
     """Return the loads of a group that are shown."""
-    return shown_loads(group.answer[AREA].values)
+    return glance.shown_loads(group.answer[AREA].values)
 
 
 def group_picture(groups: Sequence[NamedGroup]) -> tuple[str, str]:
@@ -96,7 +102,7 @@ def shown_comparisons(
         reference = answers[labels[0]]
         loads, areas = (reference[name].values for name in ("mean_pressure", AREA))
         area = np.interp(result["mean_pressure"].values, loads, areas)
-        shown[labels] = result.isel(load=shown_loads(area))
+        shown[labels] = result.isel(load=glance.shown_loads(area))
     return shown
 
 
@@ -113,34 +119,28 @@ def comparison_rows(
     answers = {**(maps or {}), **of_groups}
     rows = []
     for (label, partner), result in comparisons.items():
-        pressure = unit_of(answers[label], "Pa")
         loads = result["mean_pressure"].values.tolist()
-        at_loads = [
-            [(a, _nearest_load(a, load)) for a in (answers[label], answers[partner])] for load in loads
-        ]
-        both = [all(PEAK in a and hardness_reached(a)[i] for a, i in at_load) for at_load in at_loads]
-        closed = [any(float(a[GAP][i]) < CLOSED for a, i in at_load) for at_load in at_loads]
-        without_ratio = {
-            PEAK: ["both the hardness" * of_load for of_load in both],
-            GAP: [CLOSED_IN_WORDS * of_load for of_load in closed],  # finer than atoms nothing is known
-        }
+        without_ratio: dict[str, list[str]] = {PEAK: [], GAP: []}
+        for load in loads:
+            at_load = [(a, _nearest_load(a, load)) for a in (answers[label], answers[partner])]
+            both = all(PEAK in a and hardness_reached(a)[i] for a, i in at_load)
+            closed = any(float(a[GAP][i]) < CLOSED for a, i in at_load)  # finer than atoms nothing is known
+            without_ratio[PEAK].append("both the hardness" * both)
+            without_ratio[GAP].append(glance.CLOSED_IN_WORDS * closed)
+        names = [name for name in COMPARED if name in result["quantity"].values]
         rows.append(
             {
                 "first": label,
                 "second": partner,
-                "loads": [pressure.text(load) for load in loads],
-                "rows": [
-                    _comparison(result.sel(quantity=name), name, without_ratio.get(name, ()))
-                    for name in COMPARED
-                    if name in result["quantity"].values
-                ],
+                "loads": list(map(unit_of(answers[label], "Pa").text, loads)),
+                "rows": [_comparison(result.sel(quantity=n), n, without_ratio.get(n, ())) for n in names],
                 "of_maps": label not in of_groups,
             }
         )
     return rows
 
 
-def _verdicts(group: NamedGroup, verdicts: Mapping[tuple[str, str | None], str]) -> str:
+def _verdicts(group: NamedGroup, verdicts: Mapping[Key, str]) -> str:
     """Return how many maps of a group have each verdict."""
     of_maps = [verdicts.get((str(name), group.case)) for name in group.answer["map"].values]
     counts = {label: of_maps.count(label) for label in VERDICTS.values()}
@@ -166,7 +166,7 @@ def _mean(answer: xr.Dataset, name: str, units: Mapping[str, Unit], index: int) 
     if is_range(answer) and not (name == PEAK and hardness_reached(answer)[index]):
         text = units[name].text(float(answer[name][index]))
         return Cell(text, f"range {_range(answer, name, '', units, index)}")
-    return interval_cell(answer, name, units, index)
+    return glance.interval_cell(answer, name, units, index)
 
 
 def _range(answer: xr.Dataset, name: str, prefix: str, units: Mapping[str, Unit], index: int) -> str:
@@ -222,7 +222,7 @@ def _outcome_in_words(load: xr.Dataset) -> str:
     return ", ".join(filter(None, [words, "" if words and outcome == "differ" else outcome]))
 
 
-def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[tuple[str, str | None], xr.Dataset]) -> str:
+def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[Key, xr.Dataset]) -> str:
     """Return the contact area of up to three groups at the last load shown, and for how many maps what holds.
 
     `maps` has the statistics of each map by its name and case, loads rising.
@@ -230,7 +230,7 @@ def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[tuple[str, str |
     sentences = []
     for group in groups if len(groups) <= _IN_LINE else ():
         answer, index = group.answer, _shown(group)[-1]
-        (load, area, *_) = group_cells(answer, glance_units([answer])[0], index)
+        (load, area, *_) = group_cells(answer, glance.glance_units([answer])[0], index)
         known = ", ".join(filter(None, (area.details, area.known)))
         words = [f"contact area {area.text}{f' ({known})' if known else ''}"]
         of_maps = {str(name): maps[str(name), group.case] for name in answer["map"].values}
@@ -258,19 +258,18 @@ def holding_in_words(results: Mapping[str, Load]) -> list[str]:
     >>> holding_in_words({"ground": (seal, 0), "turned": (seal, 0)})
     ['leak of at most 3.60 ml/h: not decided for all 2']
     """
-    reference = next(data for data, _ in results.values())
+    all_data = [data for data, _ in results.values()]
     sentences = []
-    for name in stated_allowed(reference):
-        if any(f"{name}_holds" not in data for data, _ in results.values()):
-            continue
-        if len({float(data[f"allowed_{name}"]) for data, _ in results.values()}) > 1:
+    for name in allowed.stated_allowed(all_data[0]):
+        limits = {float(data[f"allowed_{name}"]) if f"{name}_holds" in data else None for data in all_data}
+        if len(limits) > 1:
             continue
         words = {
-            surface: HOLDING.get(float(data[f"{name}_holds"][index]), NOT_DECIDED)
+            surface: allowed.HOLDING.get(float(data[f"{name}_holds"][index]), allowed.NOT_DECIDED)
             for surface, (data, index) in results.items()
         }
-        limit = limit_in_words(reference, name)
-        in_words = _by_word(words, [HOLDS, FAILS, NOT_DECIDED])
+        in_words = _by_word(words, [allowed.HOLDS, allowed.FAILS, allowed.NOT_DECIDED])
+        limit = allowed.limit_in_words(all_data[0], name)
         sentences.append(f"{ALLOWED_VALUES[name].words} {limit}: {in_words}")
     return sentences
 
@@ -314,27 +313,24 @@ def surfaces_in_words(results: Mapping[str, Load]) -> str:
     if sentences := holding_in_words(results):
         return f"{head} {'; '.join(sentences)}."
     all_data = [data for data, _ in results.values()]
-    columns = asked_columns(all_data)[1:]
-    if HEADINGS_OF_COLUMNS[columns[0]] in IN_WORDS:  # a yes or no: which surfaces it is of
-        cells = {name: glance_rows(data, indices=[i])[0][columns[0]] for name, (data, i) in results.items()}
-        words = {
-            name: cell.text + (f" ({NOT_DECIDED})" if cell.precision == NOT_DECIDED else "")
-            for name, cell in cells.items()
-        }
+    columns = glance.asked_columns(all_data)
+    if glance.HEADINGS[columns[0]] in glance.IN_WORDS:  # a yes or no: which surfaces it is of
+        words = {}
+        for name, (data, index) in results.items():
+            cell = glance.glance_rows(data, indices=[index])[0][columns[0]]
+            is_open = cell.precision == allowed.NOT_DECIDED
+            words[name] = f"{cell.text} ({cell.precision})" if is_open else cell.text
         return f"{head}: {_by_word(words)}."
-    answers = [COLUMN_NAMES[column - 1] for column in columns]
-    answer = next((name for name in answers if all(has_number(data, name) for data in all_data)), "")
+    answer = next((name for name in columns if all(has_number(data, name) for data in all_data)), "")
     values = {name: float(data[answer][index]) for name, (data, index) in results.items() if answer}
     # the conductance of full contact is infinite
     names = sorted((name for name in values if not np.isnan(values[name])), key=values.__getitem__)
     if not names:
         return ""
-    units = dict(zip(results, glance_units(all_data), strict=True))
-    lowest, highest = (
-        interval_cell(data, answer, units[name], index).text
-        for name in (names[0], names[-1])
-        for data, index in [results[name]]
-    )
+    texts_by_name = {}
+    for (name, (data, index)), units in zip(results.items(), glance.glance_units(all_data), strict=True):
+        texts_by_name[name] = glance.interval_cell(data, answer, units, index).text
+    lowest, highest = texts_by_name[names[0]], texts_by_name[names[-1]]
     if lowest == highest:  # at the digits that their intervals carry
         return f"{head}: {TITLES[answer]} {lowest} of all {len(names)}."
     return f"{head}: {TITLES[answer]} from {lowest} ({names[0]}) to {highest} ({names[-1]})."

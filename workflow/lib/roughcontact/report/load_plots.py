@@ -1,12 +1,12 @@
 """Charts of results against load: area, gap, pressure; of distributions and comparisons, as data URIs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import AREA, GAP, PEAK, PRESSURE
+from roughcontact.arguments.answers import AREA, GAP, PEAK, PRESSURE, UNITS
 from roughcontact.arguments.quantities import Unit
 from roughcontact.report.charts import (
     COLOURS,
@@ -14,11 +14,11 @@ from roughcontact.report.charts import (
     DASHED,
     DOTTED,
     GREY,
-    MARKERS,
     Axis,
     Chart,
     load_label,
     log_axis,
+    series_style,
 )
 from roughcontact.report.units import interval_values, stated_loads, unit_of
 from roughcontact.statistics import theory
@@ -49,13 +49,8 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     pascals, (_, load, label, _) = unit_of(statistics, "Pa"), stated_loads(statistics)
     relative = statistics["relative_pressure"].values
     estimate, *bounds = interval_values(statistics, AREA)
-    pixel_area = statistics[f"{AREA}_pixels"].values
-    chart = _area_chart(
-        load,
-        np.concatenate([estimate, _clipped_ends(bounds[0], estimate), theory.persson_area(relative)]),
-        label=label,
-        top=_relative_axis(statistics),
-    )
+    areas = np.concatenate([estimate, _clipped_ends(bounds[0], estimate), theory.persson_area(relative)])
+    chart = _area_chart(load, areas, label=label, top=_relative_axis(statistics))
     if has_theories(statistics):
         line = _theory_lines(chart, relative, unit=unit * pascals.factor)
         if window is not None:
@@ -65,7 +60,8 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
                 x, name = line * unit * pascals.factor, "Greenwood-Williamson"
                 chart.line(x, 100 * area, colour="#8a5a00", dash=DASH_DOTTED, width=1.3, label=name)
     chart.bars(load, *(100 * bound for bound in bounds), colour=COLOURS[0])
-    chart.marks(load, 100 * pixel_area, colour=COLOURS[0], filled=False, label="solved, pixels counted")
+    pixels = 100 * statistics[f"{AREA}_pixels"].values
+    chart.marks(load, pixels, colour=COLOURS[0], filled=False, label="solved, pixels counted")
     chart.marks(load, 100 * estimate, colour=COLOURS[0], label="solved, corrected")
     return chart
 
@@ -76,44 +72,38 @@ def has_theories(statistics: xr.Dataset) -> bool:
 
 
 def compare_areas(
-    series: Sequence[tuple[str, np.ndarray, np.ndarray]],
-    *,
-    intervals: Sequence[Sequence[np.ndarray]] = (),
-    pressure: Unit | None = None,
-    styles: Sequence[tuple[int, int]] = (),
+    results: Mapping[str, xr.Dataset], styles: Sequence[tuple[int, int]] = (), *, pressure: Unit | None = None
 ) -> str:
-    """Draw the contact area against the load of several surfaces or cases.
+    """Draw the contact area with its interval against the load of several surfaces or cases, by their labels.
 
-    `series` has (label, loads, relative areas), `intervals` (lower, upper) of each area, `styles` the indices
-    of (surface, case): colours and line styles. Loads are mean pressures (Pa) in the unit `pressure`, or
-    relative ones, with theories.
+    `styles` has the indices of (surface, case): colours and line styles. The loads, which rise, are mean
+    pressures in the unit `pressure`, or without it relative ones, with theories.
     """
-    loads = np.concatenate([load for _, load, _ in series])
-    areas = np.concatenate([*(area for _, _, area in series), *(low for low, _ in intervals)])
-    areas_drawn = np.concatenate([area for _, _, area in series])
-    factor = pressure.factor if pressure else 1.0
-    label = load_label(pressure) if pressure else _RELATIVE
-    chart = _area_chart(loads * factor, _clipped_ends(areas, areas_drawn), **_WIDE, label=label)
+    load_name = "mean_pressure" if pressure else "relative_pressure"
+    factor, label = (pressure.factor, load_label(pressure)) if pressure else (1.0, _RELATIVE)
+    loads = {name: result[load_name].values * factor for name, result in results.items()}
+    intervals = {name: interval_values(result, AREA) for name, result in results.items()}
+    areas, lower, _ = (np.concatenate(values) for values in zip(*intervals.values(), strict=True))
+    all_areas, all_loads = (
+        np.concatenate([areas, _clipped_ends(lower, areas)]),
+        np.concatenate([*loads.values()]),
+    )
+    chart = _area_chart(all_loads, all_areas, **_WIDE, label=label)
     if pressure is None:
-        _theory_lines(chart, loads)
+        _theory_lines(chart, all_loads)
     multiple = len({case for _, case in styles}) > 1
     surfaces: dict[str, dict[str, Any]] = {}
     cases: dict[str, dict[str, Any]] = {}
-    for index, (name, load, area) in enumerate(series):
-        # rising loads: a line goes from one to the next
-        order = np.argsort(load)
+    for index, name in enumerate(results):
         surface, case = styles[index] if styles else (index, 0)
         of_surface, _, of_case = name.partition(" · ")
-        style, dashes = surfaces[of_surface], cases[of_case] = _style(surface), _case_style(case)
-        if intervals:
-            chart.bars(load * factor, *(100 * bound for bound in intervals[index]), colour=style["colour"])
-        x, y = load[order] * factor, 100 * area[order]
-        chart.marks(x, y, width=1.0, label=name, listed=not multiple, **style, **dashes)
-    if multiple:
-        for name, style in surfaces.items():
-            chart.key(label=name, **style)
-        for name, dashes in cases.items():
-            chart.key(label=name, colour=GREY, marker="o", **dashes)
+        surfaces[of_surface], style = line_style(surface), line_style(surface, case)
+        cases[of_case] = style | {"colour": GREY, "marker": "o"}
+        area, *bounds = (100 * values for values in intervals[name])
+        chart.bars(loads[name], *bounds, colour=style["colour"])
+        chart.marks(loads[name], area, width=1.0, label=name, listed=not multiple, **style)
+    for label_of_key, style in [*surfaces.items(), *cases.items()] if multiple else ():
+        chart.note("key", label=label_of_key, width=1.0, **style)
     return chart.source()
 
 
@@ -128,7 +118,7 @@ def group_areas(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> str
     chart = _area_chart(loads * pressure.factor, areas, **_WIDE, label=load_label(pressure))
     room = min(0.08, 0.3 / len(groups))  # ln(load) between the maps of a group and its mean
     for index, (name, answer) in enumerate(groups):
-        style = _style(index)
+        style = series_style(index)
         # groups are apart by a little at each load, so that none hides another
         shift = np.exp(2 * room * (index - (len(groups) - 1) / 2))
         # a little apart in the logarithm, as far to either side
@@ -142,21 +132,9 @@ def group_areas(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> str
     return chart.source()
 
 
-def _style(index: int) -> dict[str, Any]:
-    """Return colour and marker of one of several series."""
-    # another marker when the colours begin again
-    marker = MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
-    return {"colour": COLOURS[index % len(COLOURS)], "marker": marker}
-
-
-def _case_style(case: int) -> dict[str, Any]:
-    """Return what the lines of a case have in common: dashes, and whether marks are filled."""
-    return {"filled": not case, "dash": _DASHES[case % len(_DASHES)]}
-
-
-def line_sample(surface: int, case: int) -> dict[str, str]:
-    """Return colour and dashes of the line of a surface under a case, by their places, in `compare_areas`."""
-    return {"colour": _style(surface)["colour"], "dash": _case_style(case)["dash"]}
+def line_style(surface: int, case: int = 0) -> dict[str, Any]:
+    """Return how the line of a surface under a case, by their places, looks in `compare_areas`."""
+    return series_style(surface) | {"filled": not case, "dash": _DASHES[case % len(_DASHES)]}
 
 
 def _theory_lines(chart: Chart, loads: np.ndarray, unit: float = 1.0) -> np.ndarray:
@@ -193,38 +171,29 @@ def _relative_axis(statistics: xr.Dataset) -> Axis | None:
 
 def gap_against_load(statistics: xr.Dataset) -> Chart:
     """Draw the mean gap with its interval against the load, both logarithmic, with the rms height."""
-    lines = [(GAP, "mean gap", COLOURS[2], "o")]
-    limit = float(statistics["rms_height"]), "rms height"
-    return _load_chart(statistics, lines, label="mean gap", unit=unit_of(statistics, "m"), limit=limit)
+    return _load_chart(statistics, "mean gap", [(GAP, "mean gap", COLOURS[2], "o")], limit="rms_height")
 
 
 def pressure_against_load(statistics: xr.Dataset) -> Chart:
     """Draw mean and largest pressure of the contact with their intervals against the load, logarithmic."""
-    hardness = float(statistics.get("hardness", np.nan))
     lines = [(PEAK, "largest", COLOURS[1], "^"), (PRESSURE, "mean over the contact", COLOURS[0], "o")]
-    unit, limit = unit_of(statistics, "Pa"), (hardness, "hardness")
-    return _load_chart(statistics, lines, label="pressure in contact", unit=unit, limit=limit)
+    return _load_chart(statistics, "pressure in contact", lines, limit="hardness")
 
 
 def _load_chart(
-    statistics: xr.Dataset,
-    lines: Sequence[tuple[str, str, str, str]],
-    *,
-    label: str,
-    unit: Unit,
-    limit: tuple[float, str],
+    statistics: xr.Dataset, label: str, lines: Sequence[tuple[str, str, str, str]], *, limit: str
 ) -> Chart:
-    """Draw results (name, label, colour, marker) with their intervals, and a `limit`, against the load."""
-    _, load, name_of_load, _ = stated_loads(statistics)
+    """Draw results (name, label, colour, marker) and a `limit`, by its name, against the load."""
+    (_, load, name_of_load, _), unit = stated_loads(statistics), unit_of(statistics, UNITS[lines[0][0]])
     results = [[values * unit.factor for values in interval_values(statistics, name)] for name, *_ in lines]
-    at_limit, limit_label = limit[0] * unit.factor, limit[1]
+    at_limit = float(statistics.get(limit, np.nan)) * unit.factor
     all_values = np.concatenate([*(values for result in results for values in result), [at_limit]])
     # a gap that is closed but for rounding would make the axis endless
     all_values[all_values < 1e-5 * np.nanmax(all_values)] = np.nan
     y = log_axis(f"{label} ({unit.symbol})", all_values, room=1.6)
     chart = Chart(log_axis(name_of_load, load), y, top=_relative_axis(statistics))
     if np.isfinite(at_limit):
-        chart.across(y=at_limit, dash=DASHED, label=limit_label)
+        chart.across(y=at_limit, dash=DASHED, label=limit.replace("_", " "))
     for (_, text, colour, marker), (value, *bounds) in zip(lines, results, strict=True):
         chart.bars(load, *bounds, colour=colour)
         chart.marks(load, value, colour=colour, marker=marker, width=1.4, label=text)
@@ -272,10 +241,8 @@ def _distribution(statistics: xr.Dataset, loads: Sequence[int], name: str, line_
     low, high = bounds[1 + lowest, 0], bounds[1 + last, 1]
     factor, unit_label = unit_of(statistics, unit)
     highest = 1.05 * float((shares[loads, 1:] / widths).max()) or 1.0
-    chart = Chart(
-        Axis(f"{quantity} ({unit_label})", low * factor, high * factor * 1.15, log=True),
-        Axis(f"{share} per factor e", 0.0, highest),
-    )
+    x = Axis(f"{quantity} ({unit_label})", low * factor, high * factor * 1.15, log=True)
+    chart = Chart(x, Axis(f"{share} per factor e", 0.0, highest))
     for index, load in enumerate(loads):
         edges = np.repeat(np.append(bounds[1:, 0], bounds[-1, 1]) * factor, 2)
         steps = np.concatenate([[0.0], np.repeat(shares[load, 1:] / widths, 2), [0.0]])

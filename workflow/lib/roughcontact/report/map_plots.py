@@ -151,7 +151,7 @@ def framed(
     chart = Chart(x, y, size=size, margins=margins, grid=False)
     colours = colour_scale(field.colours)
     source, coarse = coloured(values[::-1], (bar.low, bar.high), field.colours, bad=field.bad)  # y upwards
-    chart.picture(source, smooth=not coarse)
+    chart.note("picture", source=source, smooth=not coarse)
     chart.reading = {
         "value": bar.reading(),
         "colours": colours,

@@ -14,24 +14,16 @@ from roughcontact import __version__
 from roughcontact.arguments.answers import ANSWERS, AREA
 from roughcontact.arguments.quantities import Unit, number
 from roughcontact.report import ONE_PAGE, glance
+from roughcontact.report import groups as group_section
 from roughcontact.report.asked import describe_problem, measured_in_words, same_loads
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.courses import answer_with_courses, course_sections
 from roughcontact.report.files import from_page
-from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
-from roughcontact.report.groups import (
-    comparison_rows,
-    differences_in_words,
-    group_picture,
-    group_rows,
-    groups_in_words,
-    shown_comparisons,
-    surfaces_in_words,
-)
-from roughcontact.report.load_plots import compare_areas, line_sample
+from roughcontact.report.groups import Key, Row, name_under
+from roughcontact.report.load_plots import compare_areas, line_style
 from roughcontact.report.summary import read_summary
 from roughcontact.report.template import template
-from roughcontact.report.units import interval_values, unit_of
+from roughcontact.report.units import unit_of
 from roughcontact.results.collect import Entry, Failure, file_of, solved_results
 from roughcontact.results.storage import write_text
 from roughcontact.statistics.decisions import OPEN_BELOW, OPEN_PARTS
@@ -39,11 +31,9 @@ from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 
-# columns of the index of many surfaces: load and all answers but the last; and the variables that sort them
-_HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g")  # of the index, before load and answers
-_SORTED_BY = ("mean_pressure", *(answer.quantity for answer in [*ANSWERS.values()][:-1]))
-
-Key = tuple[str, str | None]  # surface and case
+# columns of the index of many surfaces, before load and all answers but the last; and what sorts by these
+_HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g")
+_SORTED_BY = {name: ANSWERS[name].quantity for name in [*ANSWERS][:-1]}
 
 
 def write_report(
@@ -67,142 +57,135 @@ def write_report(
     folder `pages`. `summary` is the text of `summary.csv`, `changed` the settings in words by case,
     `omissions` why groups have no answer; the page is `linked` to the tables of the run.
     """
-    has_index = len(finished) + len(failures) > ONE_PAGE
-    folder = Path(path).parent
+    folder, many = Path(path).parent, len(finished) + len(failures) > ONE_PAGE
     series = _series(statistics)
+    results = list(series.values())
     by_surface: dict[str, dict[str, xr.Dataset]] = {}
     for (surface, case), data in series.items():
         by_surface.setdefault(surface, {})[case or ""] = data
     # a placement stands with its pair, which comes last
     group_of_surface = {str(name): group.name for group in groups for name in group.answer["map"].values}
-    results = list(series.values())
     styles, indices = _line_styles(series, group_of_surface), glance.loads_to_compare(results)
     units = dict(zip(series, glance.glance_units(results), strict=True))
-    compared_at = dict(zip(series, indices, strict=True))
-    columns_asked = glance.asked_columns(results)
-    further = [0, *(column for column in range(1, len(ANSWERS) + 1) if column not in columns_asked)]
-    rows: list[dict[str, Any]] = []
+    last = dict(zip(series, indices, strict=True))
+    asked = glance.asked_columns(results)
+    further = [name for name in ANSWERS if name not in asked]
+    rows: list[Row] = []
     for entry in finished:
-        key, path_of_panel = (entry["surface"], entry["case"]), file_of(entry, "panel.html")
-        panel = read_summary(path_of_panel)
-        numbers, cells = series[key], glance.glance_rows(series[key], units[key], panel["loads"])
+        key, panel = (entry["surface"], entry["case"]), file_of(entry, "panel.html")
+        of_panel = read_summary(panel)
+        numbers, cells = series[key], glance.glance_rows(series[key], units[key], of_panel["loads"])
         alone = len(cells) == len(finished) == 1  # then no table of loads repeats it
         if alone or len(cells) > 1:
-            line = glance.answer_line(numbers, panel["loads"][-1], cells[-1], alone=alone)
+            line = glance.answer_line(numbers, of_panel["loads"][-1], cells[-1], alone=alone)
         else:  # the row is the answer
-            line = glance.exact_remarks([cells[0][column] for column in columns_asked])
-        courses = course_sections(panel["name"], numbers, path_of_panel.parent, folder)
-        rows.append(
-            {
-                **entry,
-                **panel,
-                "panel": path_of_panel,
-                "courses": courses,
-                "answer": answer_with_courses(line, courses),
-                "glance": [[cells_of_load[column] for column in columns_asked] for cells_of_load in cells],
-                "further": [[cells_of_load[column] for column in further] for cells_of_load in cells],
-                "numbers": _compared(numbers, units[key], compared_at[key]) if has_index else [],
-                "sample": line_sample(*styles[key]),
-                "group": group_of_surface.get(entry["surface"], ""),
-                "rank": len(VERDICTS) - list(VERDICTS).index(panel["verdict"]),
-            }
-        )
+            line = glance.exact_remarks([cells[0][name] for name in asked])
+        courses = course_sections(of_panel["name"], numbers, panel.parent, folder)
+        row: Row = {
+            **entry,
+            **of_panel,
+            "panel": panel,
+            "courses": courses,
+            "answer": answer_with_courses(line, courses),
+            "glance": [[at_load[name] for name in (glance.LOAD, *asked)] for at_load in cells],
+            "further": [[at_load[name] for name in (glance.LOAD, *further)] for at_load in cells],
+            "numbers": _compared(numbers, units[key], last[key]) if many else [],
+            "sample": line_style(*styles[key]),
+            "group": group_of_surface.get(entry["surface"], ""),
+            "rank": len(VERDICTS) - list(VERDICTS).index(of_panel["verdict"]),
+        }
+        rows.append(row)
+        if not many:  # that of the table below
+            last[key] = row["loads"][-1]
     causes: dict[tuple[str, str], list[str | None]] = {}
     for failure in failures:
         causes.setdefault((failure["surface"], failure["reason"]), []).append(failure["case"])
     failure_rows = [
-        {"surface": name, "reason": reason, "cases": cases, "name": _name(name, *cases)}
+        {"surface": name, "reason": reason, "cases": cases, "name": name_under(name, *cases)}
         for (name, reason), cases in causes.items()
     ]
-    cases = [*(case for _, case in series), *(failure["case"] for failure in failures)]
-    head: dict[str, Any] = {"title": title, "version": __version__, "words": VERDICTS}
-    head |= {
-        "asked": [glance.load_heading(results), *(glance.HEADINGS[column] for column in columns_asked[1:])],
-        "further": [glance.load_heading(results), *(glance.HEADINGS[column] for column in further[1:])],
+    maps = {name_under(*key): data for key, data in series.items()}
+    answers = maps | {group.label: group.answer for group in groups}
+    compared = group_section.shown_comparisons(compared or {}, answers)
+    several = group_section.answer_of_several(groups, compared, series, last)
+    equal_loads = same_loads(settings)
+    cases = {name: case_table(by_case, equal_loads=equal_loads) for name, by_case in by_surface.items()}
+    head = {
+        "title": title,
+        "version": __version__,
+        "words": VERDICTS,
+        "single": len(rows) == 1,
+        "answer": rows[0]["answer"] if len(rows) == 1 else several,
+        "asked": glance.headings_of(asked, results),
+        "further": glance.headings_of(further, results),
+        "in_words": glance.IN_WORDS,
+        "asked_of_run": describe_problem(settings, changed),
     }
-    head |= {"single": len(rows) == 1, "open_below": OPEN_BELOW, "open_parts": OPEN_PARTS}
-    # members of a group that is compared with no other: nobody asked for that
-    uncompared = {
-        _name(str(name), group.case)
-        for group in groups
-        if not group.members.is_compared
-        for name in group.answer["map"].values
-    }
-    maps = {_name(*key): data for key, data in series.items()}
-    compared = shown_comparisons(compared or {}, maps | {group.label: group.answer for group in groups})
-    asked = {labels: table for labels, table in compared.items() if not uncompared & {*labels}}
-    several = differences_in_words(asked) or groups_in_words(groups, series)
-    if results and not (several or groups):  # at the last load that the table below shows of each
-        last = compared_at if has_index else {(row["surface"], row["case"]): row["loads"][-1] for row in rows}
-        several = surfaces_in_words({_name(*key): (data, last[key]) for key, data in series.items()})
-    head["answer"] = rows[0]["answer"] if len(rows) == 1 else several
-    head |= {"in_words": glance.IN_WORDS, "asked_of_run": describe_problem(settings, changed)}
-    equal = same_loads(settings)
-    if has_index:
-        _write_pages(folder / "pages", rows, by_surface, failure_rows, equal_loads=equal, head=head)
+    if many:
+        _write_pages(folder / "pages", rows, failure_rows, cases, head)
+        cases = {"": case_medians(list(by_surface.values()), equal_loads=equal_loads)}
     html = template("report.html").render(
+        head,
         rows=rows,
-        headings=(*_HEADINGS, glance.load_heading(results), *glance.HEADINGS[1 : len(ANSWERS)]),
-        download=None if has_index else _as_download(summary),
+        headings=(*_HEADINGS, *glance.headings_of([*_SORTED_BY], results)),
+        download="" if many else _as_download(summary),
         linked=linked,
-        counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in VERDICTS},
-        many=has_index,
+        counts=Counter(row["verdict"] for row in rows),
+        many=many,
         doubts=Counter(doubt for row in rows for doubt in row["doubts"]).most_common(),
         surfaces=len(by_surface),
-        cases_of_run=[*filter(None, dict.fromkeys(cases))],
+        cases_of_run=[
+            *dict.fromkeys(
+                case for _, case in [*series, *((f["surface"], f["case"]) for f in failures)] if case
+            )
+        ],
         which_load=_which_load(indices, results),
         # of so many that an index stands for them, lines over one another tell nothing
-        comparisons=[] if has_index else _comparisons(series, styles, bool(group_of_surface)),
-        cases=_cases(by_surface, large=has_index, equal_loads=equal),
+        comparisons=[] if many else _comparisons(series, styles, bool(group_of_surface)),
+        cases=[(name, table) for name, table in cases.items() if table],
         courses=[row["courses"] for row in rows],
-        parts=[]
-        if has_index
-        else [from_page(row["panel"].read_text(encoding="utf-8"), row["panel"], folder) for row in rows],
+        parts=[] if many else _parts(rows, folder),
         failures=failure_rows,
-        groups=group_rows(groups, {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}),
-        group_headings=GROUP_HEADINGS,
-        group_picture=group_picture(groups) if groups else None,
+        groups=group_section.group_rows(
+            groups, {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}
+        ),
+        group_headings=group_section.HEADINGS,
+        group_picture=group_section.group_picture(groups) if groups else None,
         left_out=omissions,
-        compared=comparison_rows(compared, groups, maps),
+        compared=group_section.comparison_rows(compared, groups, maps),
         folded=bool(group_of_surface) and by_surface.keys() <= group_of_surface.keys(),
-        **head,
         measured=measured_in_words({row["surface"]: row["measured"] for row in rows}),
+        open_below=OPEN_BELOW,
+        open_parts=OPEN_PARTS,
         settings=json.dumps(settings, indent=1, sort_keys=True),
     )
     write_text(html, path)
 
 
 def _write_pages(
-    folder: Path,
-    rows: Sequence[Mapping[str, Any]],
-    by_surface: Mapping[str, Mapping[str, xr.Dataset]],
-    failures: Sequence[Mapping[str, Any]],
-    *,
-    equal_loads: bool,
-    head: Mapping[str, Any],
+    folder: Path, rows: Sequence[Row], failures: Sequence[Row], cases: Mapping[str, Any], head: Row
 ) -> None:
-    """Write the page of each surface, with all its cases and the same `head`.
-
-    `equal_loads` is as of `case_table`.
-    """
+    """Write the page of each surface, with its table of `cases` and the same `head`."""
     names = list(dict.fromkeys(row["surface"] for row in rows))
-    for previous, name, following in zip([None, *names], names, [*names[1:], None], strict=False):
+    for before, name, after in zip([None, *names], names, [*names[1:], None], strict=False):
         rows_of_surface = [row for row in rows if row["surface"] == name]
         html = template("surface.html").render(
             head,
             measured=measured_in_words({name: rows_of_surface[0]["measured"]}),
             name=name,
-            before=previous,
-            after=following,
-            cases=case_table(by_surface[name], equal_loads=equal_loads),
+            before=before,
+            after=after,
+            cases=cases[name],
             rows=rows_of_surface,
             failures=[failure for failure in failures if failure["surface"] == name],
-            parts=[
-                from_page(row["panel"].read_text(encoding="utf-8"), row["panel"], folder)
-                for row in rows_of_surface
-            ],
+            parts=_parts(rows_of_surface, folder),
         )
         write_text(html, folder / f"{name}.html")
+
+
+def _parts(rows: Sequence[Row], folder: Path) -> list[str]:
+    """Return the panels of results, with their links as seen from a page in `folder`."""
+    return [from_page(row["panel"].read_text(encoding="utf-8"), row["panel"], folder) for row in rows]
 
 
 def _as_download(text: str) -> str:
@@ -233,28 +216,11 @@ def _comparisons(
     remarks += ["Surfaces are colours, cases are line styles."] if any(case for _, case in rough) else []
     remarks += ["The maps of a group have one colour."] if has_groups else []
     charts = []
-    for compared, load, unit, text in (
-        (rough, "mean_pressure", pressure, " ".join(remarks)),
-        (half_spaces, "relative_pressure", None, in_these_units),
-    ):
-        if len(compared) < 2:
-            continue
-        lines = [(_name(*key), data[load].values, data[AREA].values) for key, data in compared.items()]
-        bounds = [interval_values(data, AREA)[1:] for data in compared.values() if available]
-        styles_shown = [styles[key] for key in compared]
-        charts.append((compare_areas(lines, intervals=bounds, pressure=unit, styles=styles_shown), text))
+    for compared, unit, text in ((rough, pressure, " ".join(remarks)), (half_spaces, None, in_these_units)):
+        if len(compared) > 1:
+            named = {name_under(*key): data for key, data in compared.items()}
+            charts.append((compare_areas(named, [styles[key] for key in compared], pressure=unit), text))
     return charts
-
-
-def _cases(
-    by_surface: Mapping[str, Mapping[str, xr.Dataset]], *, large: bool, equal_loads: bool
-) -> list[tuple[str, dict[str, Any]]]:
-    """Return (title, table) of the cases side by side: of each surface, or of all where there are many."""
-    if large:
-        medians = case_medians(list(by_surface.values()), equal_loads=equal_loads)
-        return [("", medians)] if medians else []
-    tables = [(name, case_table(cases, equal_loads=equal_loads)) for name, cases in by_surface.items()]
-    return [(name, table) for name, table in tables if table]
 
 
 def _line_styles(series: Iterable[Key], groups_by_surface: Mapping[str, str]) -> dict[Key, tuple[int, int]]:
@@ -282,21 +248,19 @@ def _series(statistics: xr.Dataset) -> dict[Key, xr.Dataset]:
     return series
 
 
-def _name(surface: str, *cases: str | None) -> str:
-    """Return the name of a surface, under a case or several, on the page."""
-    return " · ".join(filter(None, [str(surface), ", ".join(filter(None, cases))]))
-
-
-def _compared(data: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[dict[str, Any]]:
+def _compared(data: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[Row]:
     """Return the cells of a surface in the index, below `_HEADINGS`, with their sorting keys."""
     rms, slope = (float(data[name]) for name in ("rms_height", "rms_gradient"))
     answers = glance.glance_rows(data, units, [index])[0]
-    cells = [glance.Cell(units["mean_gap"].text(rms)), glance.Cell(number(slope)), *answers]
-    keys = [rms, slope, *(float(data[name][index]) if name else None for name in _SORTED_BY)]
+    cells = [glance.Cell(units["mean_gap"].text(rms)), glance.Cell(number(slope)), answers[glance.LOAD]]
+    keys: list[float | None] = [rms, slope, float(data["mean_pressure"][index])]
+    for name, quantity in _SORTED_BY.items():
+        cells.append(answers[name])
+        keys.append(float(data[quantity][index]) if quantity else None)
     return [
         cell._asdict()
         | ({"details": "", "key": None} if key is None else {"key": key if np.isfinite(key) else ""})
-        for cell, key in zip(cells, keys, strict=False)  # all but the last
+        for cell, key in zip(cells, keys, strict=True)
     ]
 
 

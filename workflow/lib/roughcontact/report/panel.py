@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from functools import lru_cache, partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,20 +13,11 @@ from roughcontact.arguments.answers import AREA, GAP, PEAK, PRESSURE
 from roughcontact.arguments.maps import dimensions, side_lengths
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import percent
-from roughcontact.report import captions, facts, load_plots, map_plots, tables, texture_plots
+from roughcontact.report import captions, facts, glance, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.files import relative_links
-from roughcontact.report.glance import (
-    HEADINGS,
-    NOT_JUDGED,
-    answer_line,
-    glance_rows,
-    main_doubt,
-    outcome_of,
-    usable_loads,
-    verdict_on_asked,
-)
+from roughcontact.report.groups import name_under
 from roughcontact.report.methods import methods_paragraph
 from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
@@ -39,6 +31,7 @@ _TITLES = {  # of the maps by the number of measured faces
     1: ("As measured", "Levelled"),
     2: ("Face, as measured", "Counter-face, as measured", "Sum of both, levelled"),
 }
+_OF_PRESSURES = ("pressure_std", "area_share_above_hardness")  # what the caption of their distribution says
 _LINE = 180  # letters of a reason; a line of a wide page has some 185
 
 
@@ -47,63 +40,65 @@ def write_panel(
     *,
     surface: str,
     case: str | None = None,
-    height: str | Path,
-    levelled: str | Path,
-    window: str | Path,
-    contact: str | Path,
-    statistics: str | Path,
     settings: dict,
     counter_faces: Sequence[str | Path] = (),
     overview: str | Path | None = None,
     linked: bool = True,
+    **files: str | Path,
 ) -> None:
     """Write one surface's part of the report: an HTML fragment, and its summary (`.json`), from its files.
 
-    Where `contact` keeps no maps the part says so; `linked` puts links to the files, `counter_faces` has
-    the other file of a pair, `overview` that of the coarser maps around this one.
+    `files` are `height`, `levelled`, `window`, `contact` and `statistics`; where `contact` keeps no maps the
+    part says so. `counter_faces` has the other file of a pair, `overview` that of the coarser maps around
+    this one; `linked` puts links to the files.
     """
-    measured_map, plane, window_map = (_read_map(file) for file in (height, levelled, window))
-    numbers = read_dataset(statistics)
+    measured_map, plane, window_map = (_read_map(files[stage]) for stage in ("height", "levelled", "window"))
+    numbers = read_dataset(files["statistics"])
     order = np.argsort(numbers["mean_pressure"].values, kind="stable")
     numbers = numbers.isel(load=order)
-    indices = usable_loads(numbers)
-    checks_of = partial(
-        checks.surface_checks,
-        height=plane.attrs if counter_faces else measured_map.attrs,  # of both faces together
-        levelled=plane.attrs,
-        window=window_map.attrs,
-        points=window_map.size,
-    )
-    all_checks = checks_of(numbers)
-    name = surface if case is None else f"{surface} · {case}"
-    identifier = surface if case is None else f"{case}--{surface}"
+    indices = glance.usable_loads(numbers)
+    all_checks = checks.window_checks(numbers, window_map)
     # of loads that nobody stated those are judged that are shown
     are_planned = numbers.attrs.get("loads") == "planned"
-    verdict = outcome.worst_result(checks_of(numbers.isel(load=indices)) if are_planned else all_checks)
-    verdict = verdict_on_asked(numbers, indices, verdict)
+    judged = checks.window_checks(numbers.isel(load=indices), window_map) if are_planned else all_checks
+    verdict = glance.verdict_on_asked(numbers, indices, outcome.worst_result(judged))
     doubts = outcome.sort_by_importance(outcome.not_passed(all_checks))
-    reason = main_doubt(numbers, doubts)
-    available = facts.surface_facts(measured_map, plane, window_map, numbers)
-    maps = _maps(measured_map, plane, window_map, numbers, counter_faces)
-    if overview is not None:
-        coarser = separate_overviews(read_dataset(overview))
-        maps += [_overview(field, plane, numbers) for field in coarser]
-    source, date = measured_map.attrs.get("source_sha256", ""), facts.date_text(measured_map)
+    reason = glance.main_doubt(numbers, doubts)
+    cells = glance.glance_rows(numbers, indices=indices[-1:])[0]
+    summary: dict[str, Any] = {
+        "identifier": surface if case is None else f"{case}--{surface}",
+        "name": name_under(surface, case),
+        "surface": surface,
+        "answer": glance.answer_line(numbers, indices[-1], cells),
+        "verdict": verdict,
+        "reasons": [outcome.reason_text(check) for check in doubts],
+        "doubts": [str(check.name) for check in doubts],
+        "main_reason": outcome.reason_text(reason, letters=_LINE) if reason else "",
+        **{name: str(numbers.attrs.get(name, "")) for name in ("halve", "halved", "places", "overview")},
+        "loads": indices,
+        "measured": facts.date_text(measured_map),
+        "waves": facts.waves_in_words(window_map),
+    }
+    shown = {
+        "facts": facts.surface_facts(measured_map, plane, window_map, numbers),
+        "maps": _maps([measured_map, *map(_read_map, counter_faces)], plane, window_map, numbers, overview),
+        "source_sha256": measured_map.attrs.get("source_sha256", ""),
+    }
     del measured_map, plane  # large maps leave no room for them beside the solution
-    fields = _fields(contact, window_map, numbers, dict(zip(indices, order[indices], strict=True)))
-    files = {"measured heights": height, "levelled": levelled, "solved window": window}
-    files |= {"pressure and gap" if fields else "solution without maps": contact, "all numbers": statistics}
-    recorded_settings = json_attribute(numbers.attrs, "settings")
+    fields = _fields(files["contact"], window_map, numbers, dict(zip(indices, order[indices], strict=True)))
+    contents = {
+        "measured heights": files["height"],
+        "levelled": files["levelled"],
+        "solved window": files["window"],
+        "pressure and gap" if fields else "solution without maps": files["contact"],
+        "all numbers": files["statistics"],
+    }
     rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
     html = template("panel.html").render(
-        identifier=identifier,
-        name=name,
-        verdict=verdict,
+        summary | shown,
         verdict_words=outcome.VERDICTS[verdict],
         doubts=doubts,
         checks=all_checks,
-        facts=available,
-        maps=maps,
         concerns=outcome.concerns,
         profile=dimensions(window_map.shape) == 1,
         fields=fields,
@@ -115,36 +110,16 @@ def write_panel(
         theories=load_plots.has_theories(numbers),
         budget=shown_budget(numbers, indices),
         tables=tables.number_tables(numbers, checks.load_flags(numbers, window_map.size)),
-        outcomes=[outcome_of(numbers, index) for index in range(numbers.sizes["load"])],
+        outcomes=[glance.outcome_of(numbers, index) for index in range(numbers.sizes["load"])],
         material=tables.material_table(numbers, indices),
         creep=tables.creep_table(numbers, indices),
-        files=relative_links(path, files) if linked else [],
-        methods=methods_paragraph(numbers) if "level" in recorded_settings else "",
+        files=relative_links(path, contents) if linked else [],
+        methods=methods_paragraph(numbers) if "level" in json_attribute(numbers.attrs, "settings") else "",
         settings=json.dumps(settings, indent=1, sort_keys=True),
         versions=facts.versions(numbers),
-        source_sha256=source,
     )
     write_text(html, path)
-    write_summary(
-        {
-            "identifier": identifier,
-            "name": name,
-            "surface": surface,
-            "answer": answer_line(numbers, indices[-1], glance_rows(numbers, indices=indices[-1:])[0]),
-            "verdict": verdict,
-            "reasons": [outcome.reason_text(check) for check in doubts],
-            "doubts": [str(check.name) for check in doubts],
-            "main_reason": outcome.reason_text(reason, letters=_LINE) if reason else "",
-            "halve": str(numbers.attrs.get("halve", "")),
-            "halved": str(numbers.attrs.get("halved", "")),
-            "places": str(numbers.attrs.get("places", "")),
-            "overview": str(numbers.attrs.get("overview", "")),
-            "loads": indices,
-            "measured": date,
-            "waves": facts.waves_in_words(window_map),
-        },
-        path,
-    )
+    write_summary(summary, path)
 
 
 def _read_map(path: str | Path) -> xr.DataArray:
@@ -163,32 +138,35 @@ def _frame(window: xr.DataArray) -> map_plots.Frame:
 
 
 def _maps(
-    measured_map: xr.DataArray,
-    levelled_map: xr.DataArray,
+    measured: Sequence[xr.DataArray],
+    levelled: xr.DataArray,
     window: xr.DataArray,
     numbers: xr.Dataset,
-    counter_faces: Sequence[str | Path],
+    overview: str | Path | None,
 ) -> list[tuple[str, str, str]]:
-    """Return (title, image, caption) of the heights after each stage; of a pair, both measured faces."""
-    measured = [measured_map, *map(_read_map, counter_faces)]
+    """Return (title, image, caption) of the heights after each stage, and of overviews with the map in them.
+
+    `measured` has the faces of a pair, or the one.
+    """
     *titles, title_of_levelled = _TITLES[len(measured)]
-    chart = partial(map_plots.height_map, along=unit_of(numbers, "m along"))
-    levelled_chart = chart(levelled_map, rectangle=_frame(window))
-    return [
-        *(
-            (title, chart(face).source(), facts.measured_caption(face))
-            for title, face in zip(titles, measured, strict=True)
-        ),
-        (title_of_levelled, levelled_chart.source(), facts.levelled_caption(levelled_map)),
-        ("Solved window", chart(window).source(), window.attrs.get("window_reason", "")),
+    faces: list[tuple[str, xr.DataArray, str, map_plots.Frame | None]] = [
+        (title, face, facts.measured_caption(face), None)
+        for title, face in zip(titles, measured, strict=True)
     ]
-
-
-def _overview(overview: xr.DataArray, levelled: xr.DataArray, numbers: xr.Dataset) -> tuple[str, str, str]:
-    """Return title, image and caption of an overview with the map in it."""
-    frame = frame_of_place(overview, levelled)
-    image = map_plots.height_map(overview, rectangle=frame, along=unit_of(numbers, "m along")).source()
-    return f"Overview{', the map in it' if frame else ''}", image, place_in_words(overview)
+    faces += [
+        (title_of_levelled, levelled, facts.levelled_caption(levelled), _frame(window)),
+        ("Solved window", window, window.attrs.get("window_reason", ""), None),
+    ]
+    for coarser in separate_overviews(read_dataset(overview)) if overview is not None else ():
+        frame = frame_of_place(coarser, levelled)
+        faces.append(
+            (f"Overview{', the map in it' if frame else ''}", coarser, place_in_words(coarser), frame)
+        )
+    along = unit_of(numbers, "m along")
+    return [
+        (title, map_plots.height_map(height, rectangle=frame, along=along).source(), caption)
+        for title, height, caption, frame in faces
+    ]
 
 
 def _fields(
@@ -210,14 +188,12 @@ def _fields(
             return result["pressure"].values, result["gap"].values
 
         highest, widest = map_plots.common_limits(map(maps, loads.values()))
-        of_pressure, fields, texts = unit_of(numbers, "Pa"), [], stated_loads(numbers).texts
+        unit, fields, texts = unit_of(numbers, "Pa"), [], stated_loads(numbers).texts
         for index, place in loads.items():
             pressure, gap = maps(place)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
             smooth = numbers_of_kind(window.attrs).smooth_contact(window, numbers, index)
-            chart = map_plots.pressure_map(
-                window, pressure, highest=highest, unit=of_pressure, ellipse=smooth
-            )
+            chart = map_plots.pressure_map(window, pressure, highest=highest, unit=unit, ellipse=smooth)
             gap_chart = map_plots.gap_map(window, gap, pressure, widest=widest)
             outline = "; red: the contact of the smooth bodies (Hertz)" if smooth else ""
             caption = f"{texts[index]}: {area} of the pixels touch{outline}"
@@ -233,12 +209,12 @@ def each_load(numbers: xr.Dataset, with_maps: Sequence[int]) -> list[tuple[str, 
     """
     stated = stated_loads(numbers)
     loads, result = stated.values, []
-    for index, (_, *cells) in enumerate(glance_rows(numbers, indices=range(loads.size))):
+    for index, cells in enumerate(glance.glance_rows(numbers, indices=range(loads.size))):
         text = [
-            ", ".join(filter(None, (f"{title} {cell.text}", cell.details, cell.known)))
+            ", ".join(filter(None, (f"{glance.HEADINGS[name]} {cell.text}", cell.details, cell.known)))
             + (f" ({outcome.VERDICTS[cell.outcome]})" if cell.outcome else "")
-            for title, cell in zip(HEADINGS[1:], cells, strict=True)
-            if cell.text != NOT_JUDGED
+            for name, cell in cells.items()
+            if cell.text != glance.NOT_JUDGED and name != glance.LOAD
         ]
         nearest = int(np.argmin(np.abs(np.log(loads[list(with_maps)] / loads[index])))) if with_maps else 0
         if index not in with_maps:
@@ -264,18 +240,15 @@ def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, st
 def _charts(numbers: xr.Dataset, window: xr.DataArray, indices: Sequence[int]) -> dict[str, tuple[str, str]]:
     """Return {name: (image, caption)} of the charts of a window that is not flat."""
     charts = {
-        "area": (load_plots.area_against_load(numbers, window), [AREA]),
-        "pressure": (load_plots.pressure_against_load(numbers), [PRESSURE, PEAK]),
-        "gap": (load_plots.gap_against_load(numbers), [GAP]),
-        "pressures": (
-            load_plots.pressure_distribution(numbers, indices),
-            ["pressure_std", "area_share_above_hardness"],
-        ),
-        "gaps": (load_plots.gap_distribution(numbers, indices), [GAP]),
+        "area": (load_plots.area_against_load(numbers, window), (AREA,)),
+        "pressure": (load_plots.pressure_against_load(numbers), (PRESSURE, PEAK)),
+        "gap": (load_plots.gap_against_load(numbers), (GAP,)),
+        "pressures": (load_plots.pressure_distribution(numbers, indices), _OF_PRESSURES),
+        "gaps": (load_plots.gap_distribution(numbers, indices), (GAP,)),
     }
     if dimensions(window.shape) == 2:  # the patches of a profile have no area
         patches = load_plots.patch_distribution(numbers, indices)
-        charts["patches"] = patches, ["contact_clusters", "largest_patch_area"]
+        charts["patches"] = patches, ("contact_clusters", "largest_patch_area")
     return {
         name: (chart.source(), captions.answers_caption(numbers, *quantities))
         for name, (chart, quantities) in charts.items()

@@ -1,8 +1,9 @@
 """Summary of a panel: a JSON file beside it, from which the page makes its table of verdicts and links."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TypedDict, cast, get_origin
+from typing import Any, TypedDict, cast, get_origin
 
 from roughcontact.errors import InputFileError
 from roughcontact.results.storage import write_text
@@ -30,8 +31,8 @@ class Summary(TypedDict):
     waves: str  # for which the numbers hold, in words
 
 
-def write_summary(summary: Summary, panel: str | Path) -> None:
-    """Write the summary of a panel beside it, under its name with the ending `.json`."""
+def write_summary(summary: Mapping[str, Any], panel: str | Path) -> None:
+    """Write a `Summary` of a panel beside it, under its name with the ending `.json`."""
     write_text(json.dumps(summary, sort_keys=True) + "\n", Path(panel).with_suffix(".json"))
 
 

@@ -15,14 +15,14 @@ from roughcontact.report import facts
 from roughcontact.report.asked import bodies_in_words
 from roughcontact.report.budget_plots import largest_parts, wider_intervals
 from roughcontact.report.glance import (
-    HEADINGS,
+    LOAD,
     NOT_JUDGED,
     Cell,
     answer_line,
     asked_columns,
     glance_rows,
     glance_units,
-    load_heading,
+    headings_of,
 )
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import group_cells
@@ -81,12 +81,12 @@ def solution(result: Mapping[str, Any], statistics: xr.Dataset) -> str:
 
 
 def answers(
-    numbers: xr.Dataset, cells_of_loads: Sequence[Sequence[Cell]], flags: Sequence[Sequence[str]]
+    numbers: xr.Dataset, cells_of_loads: Sequence[Mapping[str, Cell]], flags: Sequence[Sequence[str]]
 ) -> list[str]:
     """Return the lines of the table of what is asked for at all loads, and one of what is judged at none."""
-    shown_columns = asked_columns([numbers])
-    headings = [load_heading([numbers]), *(HEADINGS[place] for place in shown_columns[1:])]
-    rows = [[cells[place] for place in shown_columns] for cells in cells_of_loads]
+    columns = asked_columns([numbers])
+    headings = headings_of(columns, [numbers])
+    rows = [[cells[name] for name in (LOAD, *columns)] for cells in cells_of_loads]
     judged = [any(cell.text != NOT_JUDGED for cell in column) for column in zip(*rows, strict=True)]
     unanswered = [
         ", ".join(filter(None, (heading, cell.details)))

@@ -178,8 +178,8 @@ def _answers(statistics: "xr.Dataset") -> "pd.DataFrame":
     import pandas as pd
 
     from roughcontact.report.glance import (
-        COLUMN_NAMES,
         HEADINGS,
+        LOAD,
         NOT_JUDGED,
         glance_rows,
         glance_units,
@@ -189,11 +189,12 @@ def _answers(statistics: "xr.Dataset") -> "pd.DataFrame":
 
     rising = statistics.isel(load=statistics["mean_pressure"].argsort().values)
     (units,), rows, stated_as = glance_units([rising]), [], load_heading([rising])
-    for index, (load, *cells) in enumerate(glance_rows(rising, units, indices=range(rising.sizes["load"]))):
-        for name, heading, cell in zip(COLUMN_NAMES, HEADINGS[1:], cells, strict=True):
+    for index, cells in enumerate(glance_rows(rising, units, indices=range(rising.sizes["load"]))):
+        load = cells.pop(LOAD).text
+        for name, cell in cells.items():
             if cell.text == NOT_JUDGED:
                 continue
-            row: dict[str, Any] = {stated_as: load.text, "answer": heading, "value": cell.text}
+            row: dict[str, Any] = {stated_as: load, "answer": HEADINGS[name], "value": cell.text}
             if name in units:
                 factor = units[name].factor
                 value, lower, upper = (factor * number for number in interval_at(rising, name, index))
