@@ -8,6 +8,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import AREA, COMPARED, CONDUCTANCE, ENDS, TITLES, UNITS
 from roughcontact.arguments.quantities import number, percent, prefix
+from roughcontact.arguments.variables import has_number
 from roughcontact.report.charts import Axis, Chart, curves_chart, log_axis
 from roughcontact.report.units import is_unbounded, largest_source, number_text, stated_loads, unit_of
 
@@ -41,35 +42,30 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
     """
     if "source" not in numbers.dims:
         return None
-    present, stated = present_sources(numbers), stated_loads(numbers)
-    budget = numbers[f"{AREA}_uncertainty"].sel(source=present).values.T
-    share = unit_of(numbers, "%")
-    rows = []
-    for index, load in enumerate(stated.texts):
-        components = dict(zip(present, budget[:, index].tolist(), strict=True))
-        rows.append(
-            [
-                load,
-                number_text(numbers, AREA, share, index),
-                *(_contribution(100 * component, source) for source, component in components.items()),
-                _SOURCE_LABELS.get(largest_source(numbers, AREA, index), "–"),
-            ]
-        )
+    present, stated, share = present_sources(numbers), stated_loads(numbers), unit_of(numbers, "%")
+    budget = numbers[f"{AREA}_uncertainty"].sel(source=present).transpose("load", "source").values
+    rows = [
+        [
+            load,
+            number_text(numbers, AREA, share, index),
+            *map(_contribution, 100 * budget[index], present),
+            _SOURCE_LABELS.get(largest_source(numbers, AREA, index), "–"),
+        ]
+        for index, load in enumerate(stated.texts)
+    ]
     attempts = ["window"] if "window_reason" in numbers.attrs else []  # not known leaves the interval open
     absent = [_SOURCE_LABELS[s] for s in _SOURCE_LABELS if s not in (*present, *attempts, "combined")]
     notes = [numbers.attrs.get(key) for key in ("window_flag", "window_reason")]
     notes += [f"Not in the ±: {', '.join(absent)}." if absent else "", _note_on_open_ends(numbers)]
-    part = numbers.isel(load=list(loads))
-    excess, intervals = wider_intervals(part)
+    excess, intervals = wider_intervals(numbers.isel(load=list(loads)))
     by_cutoff = [cutoff_chart(numbers, name) for name in _BY_CUTOFF]
-    labels = [_SOURCE_LABELS[source] for source in present]
     return {
         "images": [(TITLES[name], budget_against_load(numbers, name).source()) for name in COMPARED],
         "beyond": [f"{name}: {text}" for name, text in excess.items()],
         "intervals": intervals,
         "magnification": [(chart.title, chart.source()) for chart in by_cutoff if chart],
         "converged": _note_on_convergence(numbers),
-        "header": [stated.name, "contact area", *labels, "largest part"],
+        "header": [stated.name, "contact area", *map(_SOURCE_LABELS.get, present), "largest part"],
         "rows": rows,
         "notes": [*filter(None, notes)],
     }
@@ -92,9 +88,8 @@ def largest_parts(numbers: xr.Dataset) -> str:
     for index, load in enumerate(stated_loads(numbers).texts):
         if source := largest_source(numbers, AREA, index):
             loads.setdefault(_SOURCE_LABELS[source], []).append(load)
-    if len(loads) == 1:
-        return next(iter(loads))
-    return "; ".join(f"{source} ({', '.join(at)})" for source, at in loads.items())
+    by_load = [f"{source} ({', '.join(at)})" for source, at in loads.items()]
+    return "; ".join(loads if len(loads) == 1 else by_load)
 
 
 def present_sources(numbers: xr.Dataset) -> list[str]:
@@ -110,24 +105,21 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
 
     All sources together are a solid line upwards and a dashed one downwards.
     """
-    present, loads = present_sources(numbers), stated_loads(numbers)
+    present, (_, loads, label, _) = present_sources(numbers), stated_loads(numbers)
     value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
     lower, upper = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
     half_widths = np.array([*budget.sel(source=present).transpose("source", "load").values, upper, lower])
     shares = 100 * np.divide(half_widths, value, out=np.full(half_widths.shape, np.nan), where=value > 0)
     shares[~(shares >= _MIN_SHARE)] = np.nan
     highest = np.max(shares, initial=100.0, where=np.isfinite(shares))
-    chart = Chart(
-        log_axis(loads.axis, loads.values),
-        Axis("± in percent of the value", _MIN_SHARE, 2 * highest, log=True),
-        title=TITLES[name],
-    )
-    for index, (source, share) in enumerate(zip(present, shares[:-2], strict=True)):
-        chart.series(index, loads.values, share, label=_SOURCE_LABELS[source])
-    chart.line(
-        loads.values, shares[-2], width=2.2, colour="#000000", label=f"{_SOURCE_LABELS['combined']}, up"
-    )
-    chart.line(loads.values, shares[-1], width=2.2, colour="#000000", dash="5 3", label="down")
+    y = Axis("± in percent of the value", _MIN_SHARE, 2 * highest, log=True)
+    chart = Chart(log_axis(label, loads), y, title=TITLES[name])
+    *of_sources, upwards, downwards = shares
+    for index, (source, share) in enumerate(zip(present, of_sources, strict=True)):
+        chart.series(index, loads, share, label=_SOURCE_LABELS[source])
+    style = {"width": 2.2, "colour": "#000000"}
+    chart.line(loads, upwards, label=f"{_SOURCE_LABELS['combined']}, up", **style)
+    chart.line(loads, downwards, label="down", dash="5 3", **style)
     return chart
 
 
@@ -146,29 +138,22 @@ def wider_intervals(numbers: xr.Dataset) -> tuple[dict[str, str], dict[str, Any]
     """Return the contact area beyond band and map, by what that is, and the table of all intervals."""
     if not numbers.sizes["load"] or f"{AREA}_next_lower" not in numbers:
         return {}, None
-    beyond = {
-        key: text
-        for key, text in _BEYOND.items()
-        if f"{AREA}_{key}_lower" in numbers
-        and np.isfinite([numbers[f"{AREA}_{key}{end}"] for end in ENDS[1:]]).any()
-    }
-    text = {"": "the ±", **beyond, "map": "this map"}
-    loads = stated_loads(numbers).texts
+    known = [key for key in _BEYOND for end in ENDS[1:] if has_number(numbers, f"{AREA}_{key}{end}")]
+    beyond = {key: _BEYOND[key] for key in known}
+    columns, loads = {"": "the ±", **beyond, "map": "this map"}, stated_loads(numbers).texts
     rows: list[list[str]] = []
-    unknown = xr.full_like(numbers["mean_pressure"], np.nan)  # of the joint only some quantities are known
+    unknown = np.full(len(loads), np.nan)  # of the joint only some quantities are known
     for name in COMPARED:
         unit, solved = unit_of(numbers, UNITS[name]), numbers.get(f"{name}_as_solved", numbers[name]).values
-        prefixes = [f"{name}_{key}" if key else name for key in text]
-        ends = [[numbers.get(f"{prefix}{end}", unknown).values for end in ENDS[1:]] for prefix in prefixes]
+        keys = [f"{name}_{key}" if key else name for key in columns]
+        ends = [[np.asarray(numbers.get(f"{key}{end}", unknown)) for end in ENDS[1:]] for key in keys]
         for index, load in enumerate(loads):
             texts = [unit.ends(lower[index], upper[index]) for lower, upper in ends]
             rows.append([f"{TITLES[name]} at {load}", unit.text(float(solved[index])), *texts])
-    header = ["result", "as solved", *text.values()]
-    lines = {
-        header[column].capitalize(): f"{TITLES[AREA]} "
-        + ", ".join(f"{row[column]} at {load}" for row, load in zip(rows, loads, strict=False))
-        for column in range(3, 3 + len(beyond))
-    }
+    header, lines = ["result", "as solved", *columns.values()], {}
+    for column in range(3, 3 + len(beyond)):
+        areas = (f"{row[column]} at {load}" for row, load in zip(rows, loads, strict=False))
+        lines[header[column].capitalize()] = f"{TITLES[AREA]} {', '.join(areas)}"
     return lines, {"header": header, "rows": rows}
 
 
@@ -176,23 +161,22 @@ def _note_on_convergence(numbers: xr.Dataset) -> str:
     """Return a sentence on the results that still change over the shortest octave of waves."""
     if "cutoff_wavelength" not in numbers or numbers.sizes["cutoff"] < 2:
         return ""
-    changes = {}
+    moving, converged = [], []
     for name in _BY_CUTOFF:
         if f"{name}_at_cutoff" in numbers:
             fine, coarse = numbers[f"{name}_at_cutoff"].values.T[:2]
-            usable = np.isfinite(fine) & (coarse > 0)
-            if usable.any():  # else not judged: of full contact, or of bodies with layers
-                changes[TITLES[name]] = float(np.abs(fine[usable] / coarse[usable] - 1).max())
-    moving = [f"{title} (by up to {percent(by)})" for title, by in changes.items() if by > _CONVERGED]
-    converged_titles = [title for title, by in changes.items() if by <= _CONVERGED]
+            usable = np.isfinite(fine) & (coarse > 0)  # none: of full contact, or of bodies with layers
+            change = float(np.max(np.abs(fine[usable] / coarse[usable] - 1), initial=-1.0))
+            moving += [f"{TITLES[name]} (by up to {percent(change)})"] if change > _CONVERGED else []
+            converged += [TITLES[name]] if 0 <= change <= _CONVERGED else []
     result = []
     if moving:
         result.append(
             f"Not converged, the shortest octave of waves still changes them: {', '.join(moving)}. Waves "
             "that this map does not show may do so again: see the interval with an octave more."
         )
-    if converged_titles:
-        result.append(f"Converged, within {percent(_CONVERGED)}: {', '.join(converged_titles)}.")
+    if converged:
+        result.append(f"Converged, within {percent(_CONVERGED)}: {', '.join(converged)}.")
     return " ".join(result)
 
 

@@ -28,84 +28,78 @@ from roughcontact.surface.roughness.texture import LAY
 from roughcontact.surface.window.band import shortest_reliable_wave
 
 _FLOW_NOT_SOLVED = "not solved, as no seal is stated"
+_NONE = "none"  # of directions of the lay
+# names of the parameters of profiles and maps without their first letter, by the way they are written
+_PARAMETERS = (("a", "q", "z"), ("sk", "ku", "dq"), ("k", "pk", "vk"), ("sm",))
 
 
 def surface_facts(
     measured_map: xr.DataArray, levelled_map: xr.DataArray, window: xr.DataArray, numbers: xr.Dataset
 ) -> list[tuple[str, str]]:
     """Return the facts of a surface as (name, text), in the order of the page; unknown ones are left out."""
+    of_map, of_window = measured_map.attrs, window.attrs
     pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured_map)[::-1]))
-    instrument = labelled(json_attribute(measured_map.attrs, "instrument"))
-    instrument_text = ", ".join(f"{label} {text}" for label, text in instrument)
-    source = [str(measured_map.attrs.get(key, "")) for key in ("source_file", "source_format")]
-    resolution = float(numbers["points_per_shortest_wavelength"][0])
-    length = unit_of(numbers, "m").text
-    sources = json_attribute(measured_map.attrs, "ingest_sources")
-    facts = [
-        ("File", " · ".join(filter(None, source))),
-        ("First row", sentence("first_row", measured_map.attrs)),
-        ("Sources", in_words(sources)),
-        ("Not used", textwrap.shorten("; ".join(sources.get("not used", [])), 240, placeholder=" …")),
-        ("Channel", str(measured_map.attrs.get("channel", ""))),
-        ("Instrument", textwrap.shorten(instrument_text, 160, placeholder=" …")),
-        ("Assumed in the ±", _assumed(numbers)),
-        ("Map", f"{_size(measured_map)} of {pitch}"),
-        ("Missing points", percent(measured_map.attrs.get("missing_share", 0.0))),
-        ("Counter-face", sentence("counter_face", levelled_map.attrs)),
-        ("Removed form", _removed(levelled_map)),
-        ("Scan lines", sentence("scan_lines", levelled_map.attrs, length)),
-        ("Filters", sentence("filters", json_attribute(levelled_map.attrs, "filters_removed"), length)),
-        ("Corrected for", str(window.attrs.get("corrected_for", ""))),
-        *_parameters(levelled_map, length),
-        ("Window", _size(window)),
-        ("Made periodic by", str(window.attrs.get("periodisation", "none"))),
-        ("Sal, Str, lay", _texture(numbers)),
-        ("rms curvature", f"{number(float(numbers['rms_curvature']) * 1e-3)} mm⁻¹"),
-        ("Breadth of the spectrum (Nayak)", number(float(numbers["nayak_parameter"]))),
-        ("Points per shortest wave", number(resolution, digits=2)),
-        *number_facts(numbers),
-        ("Body of finite size", size_of_contact(numbers, -1)),
-    ]
-    return [(name, text) for name, text in facts if text]
+    instrument = (f"{label} {text}" for label, text in labelled(json_attribute(of_map, "instrument")))
+    sources, length = json_attribute(of_map, "ingest_sources"), unit_of(numbers, "m").text
+    facts = {
+        "File": " · ".join(filter(None, (of_map.get(key, "") for key in ("source_file", "source_format")))),
+        "First row": sentence("first_row", of_map),
+        "Sources": in_words(sources),
+        "Not used": textwrap.shorten("; ".join(sources.get("not used", [])), 240, placeholder=" …"),
+        "Channel": str(of_map.get("channel", "")),
+        "Instrument": textwrap.shorten(", ".join(instrument), 160, placeholder=" …"),
+        "Assumed in the ±": _assumed(numbers),
+        "Map": f"{_size(measured_map)} of {pitch}",
+        "Missing points": percent(of_map.get("missing_share", 0.0)),
+        "Counter-face": sentence("counter_face", levelled_map.attrs),
+        "Removed form": _removed(levelled_map),
+        "Scan lines": sentence("scan_lines", levelled_map.attrs, length),
+        "Filters": sentence("filters", json_attribute(levelled_map.attrs, "filters_removed"), length),
+        "Corrected for": str(of_window.get("corrected_for", "")),
+        **_parameters(levelled_map, length),
+        "Window": _size(window),
+        "Made periodic by": str(of_window.get("periodisation", "none")),
+        "Sal, Str, lay": _texture(numbers),
+        "rms curvature": f"{number(float(numbers['rms_curvature']) * 1e-3)} mm⁻¹",
+        "Breadth of the spectrum (Nayak)": number(float(numbers["nayak_parameter"])),
+        "Points per shortest wave": number(float(numbers["points_per_shortest_wavelength"][0]), digits=2),
+        **dict(number_facts(numbers)),
+        "Body of finite size": size_of_contact(numbers, -1),
+    }
+    return [(name, text) for name, text in facts.items() if text]
 
 
 def _assumed(numbers: xr.Dataset) -> str:
     """Return what the ± assumes of an instrument of which nobody has stated lens, tip or noise."""
-    stated = Instrument.read(numbers.attrs).properties()
-    lens = (
-        "" if {"numerical_aperture", "resolution", "tip_radius"} & stated.keys() else "a perfect lens or tip"
-    )
-    noise = "" if "noise" in stated else "no noise but what a flat spectrum shows"
-    missing = " and ".join(filter(None, (lens, noise)))
+    stated = Instrument.read(numbers.attrs).properties().keys()
+    perfect = [] if stated & {"numerical_aperture", "resolution", "tip_radius"} else ["a perfect lens or tip"]
+    silent = [] if "noise" in stated else ["no noise but what a flat spectrum shows"]
+    missing = " and ".join(perfect + silent)
     return f"{missing}, until the settings state them" if missing else ""
 
 
 def number_facts(numbers: xr.Dataset) -> list[tuple[str, str]]:
     """Return the facts that follow from the statistics of a surface, loads rising, as of `surface_facts`."""
-    facts = [
-        ("rms height", unit_of(numbers, "m").text(float(numbers["rms_height"]))),
-        ("rms gradient g", number(float(numbers["rms_gradient"]))),
-        ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
-        (
-            "Hardness",
-            unit_of(numbers, "Pa").text(float(numbers["hardness"])) if "hardness" in numbers else "",
-        ),
-        ("First yield at the surface", _first_yield(numbers, "first_yield_pressure")),
-        ("First yield below the surface", _first_yield(numbers, "first_subsurface_yield_pressure")),
-        ("Gap closes", closing := _closing(numbers)),
-        ("Flow through the gap", _FLOW_NOT_SOLVED * (bool(closing) and "flow_factor_xx" not in numbers)),
-        ("Adhesion", adhesion_in_words(numbers)),
-        ("Stick and slip", slip_in_words(numbers)),
-    ]
-    return [(name, text) for name, text in facts if text]
+    hardness, closing = float(numbers.get("hardness", np.nan)), _closing(numbers)
+    facts = {
+        "rms height": unit_of(numbers, "m").text(float(numbers["rms_height"])),
+        "rms gradient g": number(float(numbers["rms_gradient"])),
+        "Contact modulus E*": quantity(float(numbers["contact_modulus"]), "Pa"),
+        "Hardness": unit_of(numbers, "Pa").text(hardness) if "hardness" in numbers else "",
+        "First yield at the surface": _first_yield(numbers, "first_yield_pressure"),
+        "First yield below the surface": _first_yield(numbers, "first_subsurface_yield_pressure"),
+        "Gap closes": closing,
+        "Flow through the gap": _FLOW_NOT_SOLVED if closing and "flow_factor_xx" not in numbers else "",
+        "Adhesion": adhesion_in_words(numbers),
+        "Stick and slip": slip_in_words(numbers),
+    }
+    return [(name, text) for name, text in facts.items() if text]
 
 
 def size_of_contact(numbers: xr.Dataset, load: int) -> str:
     """Return the contact of a body of finite size at a load (index), and Hertz's of the smooth body."""
-    kind = facts_of_numbers(numbers)
-    if not kind.sentence:
-        return ""
-    return sentence(kind.sentence, values_at_load(numbers, load), "bodies" in numbers.attrs)
+    name = facts_of_numbers(numbers).sentence
+    return sentence(name, values_at_load(numbers, load), "bodies" in numbers.attrs) if name else ""
 
 
 def date_text(measured_map: xr.DataArray) -> str:
@@ -195,11 +189,10 @@ def waves_in_words(window: xr.DataArray) -> str:
     'waves longer than 3.30 µm'
     """
     shortest = shortest_reliable_wave(window)
-    text = f"waves longer than {quantity(shortest, 'm')}" if shortest else ""
-    text = ", ".join(filter(None, [ensemble_in_words(window), text]))
-    if causes := window.attrs.get("corrected_for"):
-        text = f"{text or 'the map'}, corrected for {causes}"
-    return text
+    waves = f"waves longer than {quantity(shortest, 'm')}" if shortest else ""
+    text = ", ".join(filter(None, [ensemble_in_words(window), waves]))
+    causes = window.attrs.get("corrected_for")
+    return f"{text or 'the map'}, corrected for {causes}" if causes else text
 
 
 def lay_caption(numbers: xr.Dataset) -> str:
@@ -215,24 +208,19 @@ def lay_caption(numbers: xr.Dataset) -> str:
     >>> lay_caption(xr.Dataset({"Str": float("nan"), "Std": 0.0}))
     'Strongest waves at 0° (Std). The window is too narrow to tell whether there is a lay.'
     """
+    lay, strongest = _lay(numbers), f"Strongest waves at {float(numbers['Std']):.0f}° (Std)"
     if np.isnan(numbers["Str"]):
-        strongest = f"Strongest waves at {float(numbers['Std']):.0f}° (Std)"
         return f"{strongest}. The window is too narrow to tell whether there is a lay."
-    if not _has_lay(numbers):
-        return "No lay: much the same in all directions."
-    return f"Strongest waves at {float(numbers['Std']):.0f}° (Std), lay at {_lay(numbers)}, from x towards y."
-
-
-def _has_lay(numbers: xr.Dataset) -> bool:
-    """Return whether a surface has a direction."""
-    return float(numbers["Str"]) <= LAY
+    return (
+        "No lay: much the same in all directions."
+        if lay == _NONE
+        else f"{strongest}, lay at {lay}, from x towards y."
+    )
 
 
 def _lay(numbers: xr.Dataset) -> str:
     """Return the direction of the lay, across that of the strongest waves, or that there is none."""
-    if not _has_lay(numbers):
-        return "none"
-    return f"{(float(numbers['Std']) + 90) % 180:.0f}°"
+    return f"{(float(numbers['Std']) + 90) % 180:.0f}°" if float(numbers["Str"]) <= LAY else _NONE
 
 
 def _first_yield(numbers: xr.Dataset, name: str) -> str:
@@ -257,16 +245,11 @@ def _closing(numbers: xr.Dataset) -> str:
     flat = not np.isfinite(numbers.get("Std", np.nan))
     if "gap_percolates_x" not in numbers or flat or not facts_of_numbers(numbers).has_flow:
         return ""
-    loads = stated_loads(numbers).texts
-    result = {}
+    loads, result = stated_loads(numbers).texts, {}
     for axis in ("x", "y"):
-        closed_loads = np.flatnonzero(numbers[f"gap_percolates_{axis}"].values == 0)
-        if not closed_loads.size:
-            result[axis] = f"not up to {loads[-1]}"
-        elif closed_loads[0] == 0:
-            result[axis] = f"at {loads[0]} already"
-        else:
-            result[axis] = f"between {loads[closed_loads[0] - 1]} and {loads[closed_loads[0]]}"
+        first = next(iter(np.flatnonzero(numbers[f"gap_percolates_{axis}"].values == 0)), len(loads))
+        between = f"between {loads[first - 1]} and {loads[first]}" if 0 < first < len(loads) else ""
+        result[axis] = between or (f"not up to {loads[-1]}" if first else f"at {loads[0]} already")
     if result["x"] == result["y"]:
         return result["x"]
     return "; ".join(f"along {axis} {text}" for axis, text in result.items())
@@ -282,14 +265,13 @@ def _size(height: xr.DataArray) -> str:
 
 def _removed(levelled_map: xr.DataArray) -> str:
     """Return the form that levelling removed."""
-    components_removed = json_attribute(levelled_map.attrs, "form_removed")
-    components = [
+    parts = [
         f"{name.replace('_', ' ')} {_removed_part(name, entry, levelled_map)}"
-        for name, entry in components_removed.items()
+        for name, entry in json_attribute(levelled_map.attrs, "form_removed").items()
         if name.startswith(("mean", "slope", "curvature", "radius", "axis"))  # the rest are coefficients
         and not (are_lines(levelled_map) and name.endswith("_y"))
     ]
-    return f"{levelled_map.attrs.get('form', 'none')}" + (f": {', '.join(components)}" if components else "")
+    return f"{levelled_map.attrs.get('form', 'none')}{': ' if parts else ''}{', '.join(parts)}"
 
 
 def _removed_part(name: str, entry: Mapping[str, Any], levelled_map: xr.DataArray) -> str:
@@ -303,20 +285,18 @@ def _removed_part(name: str, entry: Mapping[str, Any], levelled_map: xr.DataArra
     return quantity(value, entry["units"].replace("m-1", "m⁻¹"))
 
 
-def _parameters(levelled_map: xr.DataArray, length: Callable[[float], str]) -> list[tuple[str, str]]:
+def _parameters(levelled_map: xr.DataArray, length: Callable[[float], str]) -> dict[str, str]:
     """Return the height parameters of the levelled map, or of its profiles, of the measured points."""
-    letter, parameters = "S", levelled_map.attrs
-    rows: list[tuple[str, ...]] = [("a", "q", "z"), ("sk", "ku", "dq"), ("k", "pk", "vk")]
-    if are_lines(levelled_map):
-        parameters = profile_parameters(levelled_map)
-        letter = min(parameters)[0]
-        rows.append(("sm",))
-    facts = []
-    for row in rows:
-        along: Callable[[float], str] = partial(quantity, unit="m")
-        show = along if row[0] == "sm" else number if row[0] == "sk" else length
-        names = [letter + name for name in row if letter + name in parameters]
-        facts.append((", ".join(names), ", ".join(show(parameters[name]) for name in names)))
+    parameters = profile_parameters(levelled_map) if are_lines(levelled_map) else levelled_map.attrs
+    letter = min(parameters)[0] if are_lines(levelled_map) else "S"
+    facts = {}
+    for row in _PARAMETERS if are_lines(levelled_map) else _PARAMETERS[:3]:
+        shows: dict[str, Callable[[float], str]] = {"sm": partial(quantity, unit="m"), "sk": number}
+        show = shows.get(row[0], length)
+        shown = {
+            letter + name: show(parameters[letter + name]) for name in row if letter + name in parameters
+        }
+        facts[", ".join(shown)] = ", ".join(shown.values())
     return facts
 
 
@@ -324,7 +304,5 @@ def _texture(numbers: xr.Dataset) -> str:
     """Return length and direction of the texture, nothing for a flat map."""
     if not np.isfinite(numbers["Sal"]):
         return ""
-    length = quantity(float(numbers["Sal"]), "m")
-    if not np.isfinite(numbers["Str"]):
-        return length
-    return f"{length}, {number(float(numbers['Str']))}, {_lay(numbers)}"
+    length, ratio = quantity(float(numbers["Sal"]), "m"), float(numbers["Str"])
+    return f"{length}, {number(ratio)}, {_lay(numbers)}" if np.isfinite(ratio) else length
