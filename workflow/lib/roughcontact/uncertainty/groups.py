@@ -10,6 +10,7 @@ group is what the maps are samples of, without waves longer than a map.
 
 import hashlib
 from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -23,27 +24,11 @@ from roughcontact.io.instrument_kinds import of_name
 from roughcontact.statistics.kinds import check_sizes, size_of_body
 from roughcontact.statistics.load_pairs import common_loads, interpolated, same_load
 from roughcontact.surface.window.band import is_limited_by_grid
+from roughcontact.uncertainty import combination, random_effects
 from roughcontact.uncertainty.calibration import ALONE, scatter_between_maps
-from roughcontact.uncertainty.combination import (
-    SIDES,
-    SOURCES,
-    added_up,
-    component_from_units,
-    component_in_units,
-    interval_bounds,
-    limited,
-    one_sided,
-    symmetric,
-)
+from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.members import Members, members_of_group
-from roughcontact.uncertainty.random_effects import (
-    Effects,
-    grubbs_outliers,
-    moderated,
-    random_effects,
-    student,
-)
 from roughcontact.uncertainty.scales import ALL, from_scale, to_scale
 
 MIN_FOR_INTERVAL = 3  # parts, or maps, below which there is a range instead of an interval
@@ -52,6 +37,7 @@ _SAME = 1e-6  # relative, of moduli
 # Hurst exponent of 0.8); the long end matters to the gap alone, and windows differ in size
 _SAME_BAND = {"shortest": 1.1, "longest": 2.0}
 _FURTHER = ("", "_next", "_next_part")  # the group, the next map, the next part
+_WINDOW = SOURCES.index("window")
 _OF_HARDNESS = ("hardness", "hardness_lower", "hardness_upper")
 
 
@@ -164,40 +150,28 @@ def group_statistics(
     check_alike(label, names, datasets)
     loads = common_loads(label, names, datasets)
     quantities = [name for name in headline_names(datasets[0]) if all(name in data for data in datasets)]
-    columns: dict[str, tuple] = {}
-    is_outlier = np.zeros((len(datasets), loads.size), bool)
     hardness = {key: float(datasets[0][key]) for key in _OF_HARDNESS if key in datasets[0]}
     hardest = hardness.get("hardness_upper", hardness.get("hardness", np.inf))
+    maps = _Maps(datasets, parts, loads, members, hardest)
+    columns: dict[str, tuple] = {}
+    is_outlier = np.zeros((len(datasets), loads.size), bool)
     for name in quantities:
-        scaled = [scaled_at(name, data, loads) for data in datasets]
-        maps, components = zip(*scaled, strict=True)
-        values, shared = np.stack(maps), np.mean(components, axis=0)
-        alone = (_of_map_alone(name, data, loads, *own) for data, own in zip(datasets, scaled, strict=True))
-        without_overview, widths = zip(*alone, strict=True)
-        single = np.stack(without_overview), np.mean(widths, axis=0)
-        numbers = (
-            _numbers_of_map(name, datasets[0])
-            if len(datasets) == 1
-            else _numbers_of_maps(
-                name, values, shared, parts, single=single, loads=loads, hardest=hardest, members=members
-            )
-        )
-        in_units = component_in_units(name, numbers[""], np.moveaxis(shared, 0, -1))
-        of_maps = from_scale(name, values)
-        if (is_unknown := np.isnan(values)).any():
-            of_maps = np.where(is_unknown, _stacked(name, datasets, loads), of_maps)
-        if is_unknown.any() and len(datasets) > 1:
-            # a closed gap and the conductance of full contact have no finite logarithm
-            is_limit = is_unknown.any(axis=0) & ~np.isnan(of_maps).any(axis=0)
-            for ending, column in _range_of_maps(name, of_maps, datasets, loads).items():
+        values, components, *alone = maps.on_scale(name)
+        shared = components.mean(axis=0)
+        numbers = maps.own_numbers(name) if len(datasets) == 1 else maps.numbers(name, values, shared, alone)
+        in_units = combination.component_in_units(name, numbers[""], np.moveaxis(shared, 0, -1))
+        is_unknown = np.isnan(values)
+        of_maps = np.where(is_unknown, maps.at_loads(name), from_scale(name, values))
+        # a closed gap and the conductance of full contact have no finite logarithm
+        is_limit = is_unknown.any(axis=0) & ~np.isnan(of_maps).any(axis=0)
+        if is_limit.any() and len(datasets) > 1:
+            for ending, column in maps.range_of(name, of_maps).items():
                 numbers[ending] = np.where(is_limit, column, numbers[ending])
         columns |= {f"{name}{ending}": ("load", column) for ending, column in numbers.items()}
         columns[f"{name}_of_maps"] = (("map", "load"), of_maps)
-        columns[f"{name}_shared"] = (
-            ("source", "component", "load"),
-            np.where(np.isinf(in_units), np.nan, in_units),
-        )
-        is_outlier |= grubbs_outliers(values)
+        shared_columns = np.where(np.isinf(in_units), np.nan, in_units)
+        columns[f"{name}_shared"] = (("source", "component", "load"), shared_columns)
+        is_outlier |= random_effects.grubbs_outliers(values)
     columns["stands_off"] = (("map", "load"), is_outlier.astype(np.int8))
     single_numbers = {"contact_modulus": float(datasets[0].get("contact_modulus", np.nan)), **hardness}
     if all("rms_height" in data for data in datasets):
@@ -205,7 +179,7 @@ def group_statistics(
     columns |= {key: ((), number) for key, number in single_numbers.items()}
     coordinates = {
         "source": [*SOURCES],
-        "component": [*SIDES],
+        "component": [*combination.SIDES],
         "mean_pressure": ("load", loads),
         "map": np.array(names, object),
         "part": ("map", np.array(parts, object)),
@@ -247,105 +221,102 @@ def _content(dataset: xr.Dataset) -> str:
     return hashlib.sha256(digits.encode()).hexdigest()[:16]
 
 
-def _numbers_of_map(name: str, dataset: xr.Dataset) -> dict[str, np.ndarray]:
-    """Return the numbers (load) of a quantity of a single map, by their endings: what it was."""
-    unknown = np.full(dataset.sizes["load"], np.nan)
-    endings = (*(f"{key}{suffix}" for key in _FURTHER for suffix in ENDS[1:]), "_between", "_within")
-    own = {suffix: dataset[f"{name}{suffix}"].values for suffix in ENDS if f"{name}{suffix}" in dataset}
-    return dict.fromkeys(endings, unknown) | own
+class _Maps(NamedTuple):
+    """The maps of a group, at the loads that all of them have."""
 
+    datasets: Sequence[xr.Dataset]
+    parts: Sequence[str]  # that each map is of
+    loads: np.ndarray  # Pa
+    members: Members
+    hardest: float  # upper end of the hardness (Pa)
 
-def _numbers_of_maps(
-    name: str,
-    values: np.ndarray,
-    shared: np.ndarray,
-    part_names: Sequence[str],
-    *,
-    single: tuple[np.ndarray, np.ndarray],
-    loads: np.ndarray,
-    hardest: float,
-    members: Members,
-) -> dict[str, np.ndarray]:
-    """Return the numbers (load) of a quantity of several maps, by their endings.
+    def at_loads(self, name: str) -> np.ndarray:
+        """Return a number (map, load) of all maps."""
+        own_loads = (data["mean_pressure"].values for data in self.datasets)
+        numbers = (data[name].values for data in self.datasets)
+        return np.stack([interpolated(own, self.loads, n) for own, n in zip(own_loads, numbers, strict=True)])
 
-    On the scale are `values` (map, load) and `shared` (load, source, component), the mean of the maps, by
-    `SOURCES`; `single` are values and half-widths (load) of the maps without what overviews show, `hardest`
-    is the upper end of the hardness (Pa).
-    """
-    of_window = shared[:, SOURCES.index("window"), :2].mean(axis=1)
-    effects, is_expected = _effects(name, values, of_window, part_names, members)
-    # of an overview the value is a mean over its places, which scatters less than the next map
-    of_single, _ = _effects(name, *single, part_names, members)
-    next_map = student(of_single.next_map_freedom) * of_single.next_map
-    mean, next_part = (student(effects.freedom) * width for width in (effects.error, effects.next_part))
-    own_width = {"mean": mean, "next_map": next_map}[members.interval]
-    of_scatter = [symmetric(width) for width in (own_width, next_map, next_part)]
-    if effects.units < MIN_FOR_INTERVAL and not is_expected.all():
-        # a range, from map to map, beyond which what they share reaches
-        unknown = symmetric(np.full(loads.shape, np.nan))
-        range_ = [one_sided(extreme(values, axis=0) - effects.mean) for extreme in (np.min, np.max)]
-        of_scatter = [added_up(range_), unknown, unknown]
-    shared_components = np.moveaxis(shared, 0, 2)[[SOURCES.index(source) for source in members.shared]]
-    value = from_scale(name, effects.mean)
-    columns = {"": value, "_between": effects.between, "_within": effects.within}
-    for key, component in zip(_FURTHER, of_scatter, strict=True):
-        bounds = interval_bounds(name, effects.mean, added_up([component, *shared_components]))
-        limits = np.array(limited(name, bounds, value=value, load=loads, hardness=hardest))
-        limits[:, np.isnan(component[0])] = np.nan  # without an interval
-        columns |= {f"{key}{suffix}": limit for suffix, limit in zip(ENDS[1:], limits, strict=True)}
-    return columns
+    def on_scale(self, name: str) -> list[np.ndarray]:
+        """Return values (map, load) and components (map, load, source, component) of a quantity on its scale.
 
+        Then come values and half-widths (map, load) by the window of the maps without what overviews show.
+        """
+        results = []
+        for data in self.datasets:
+            value, suffixes = to_scale(name, data[name].values), ENDS if f"{name}_{ALONE}" in data else ()
+            columns = [np.where(np.isinf(value), np.nan, value), scaled_components(name, data)]
+            columns += [to_scale(name, data[f"{name}_{ALONE}{suffix}"].values) for suffix in suffixes]
+            own_loads = data["mean_pressure"].values
+            value, components, *alone = (interpolated(own_loads, self.loads, column) for column in columns)
+            of_map = value, components[:, _WINDOW, :2].mean(axis=1)
+            if alone:
+                is_known = np.isfinite(alone[0])  # NaN of a map beside others with an overview
+                without_overview = alone[0], (alone[2] - alone[1]) / 2
+                pairs = zip(without_overview, of_map, strict=True)
+                of_map = tuple(np.where(is_known, *pair) for pair in pairs)
+            results.append((value, components, *of_map))
+        return [np.stack(column) for column in zip(*results, strict=True)]
 
-def _stacked(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> np.ndarray:
-    """Return a number (map, load) of all maps at some loads (Pa)."""
-    return np.stack(
-        [interpolated(data["mean_pressure"].values, loads, data[name].values) for data in datasets]
-    )
+    def own_numbers(self, name: str) -> dict[str, np.ndarray]:
+        """Return the numbers (load) of a quantity of a single map, by their endings: what it was."""
+        (data,) = self.datasets
+        endings = (*(f"{key}{suffix}" for key in _FURTHER for suffix in ENDS[1:]), "_between", "_within")
+        own = {suffix: data[f"{name}{suffix}"].values for suffix in ENDS if f"{name}{suffix}" in data}
+        return dict.fromkeys(endings, np.full(self.loads.shape, np.nan)) | own
 
+    def numbers(
+        self, name: str, values: np.ndarray, shared: np.ndarray, alone: Sequence[np.ndarray]
+    ) -> dict[str, np.ndarray]:
+        """Return the numbers (load) of a quantity of several maps, by their endings.
 
-def _range_of_maps(
-    name: str, of_maps: np.ndarray, datasets: Sequence[xr.Dataset], loads: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Return the median (load) of a number of maps, and the range of their intervals, by their endings."""
-    has_ends = all(f"{name}{suffix}" in data for data in datasets for suffix in ENDS[1:])
-    lower, upper = (
-        _stacked(f"{name}{suffix}", datasets, loads) if has_ends else of_maps for suffix in ENDS[1:]
-    )
-    middle = np.median(of_maps, axis=0)
-    return dict(zip(ENDS, (middle, lower.min(axis=0), upper.max(axis=0)), strict=True))
+        `values` and `alone` are of `on_scale`, `shared` (load, source, component) is the mean of its
+        components.
+        """
+        effects, is_expected = self.effects(name, values, shared[:, _WINDOW, :2].mean(axis=1))
+        # of an overview the value is a mean over its places, which scatters less than the next map
+        of_single, _ = self.effects(name, alone[0], alone[1].mean(axis=0))
+        next_map = random_effects.student(of_single.next_map_freedom) * of_single.next_map
+        factor = random_effects.student(effects.freedom)
+        own_width = {"mean": factor * effects.error, "next_map": next_map}[self.members.interval]
+        widths = own_width, next_map, factor * effects.next_part
+        of_scatter = [combination.symmetric(width) for width in widths]
+        if effects.units < MIN_FOR_INTERVAL and not is_expected.all():
+            # a range, from map to map, beyond which what they share reaches
+            extremes = values.min(axis=0), values.max(axis=0)
+            range_ = combination.added_up(combination.one_sided(end - effects.mean) for end in extremes)
+            of_scatter = [range_, *np.full((2, *range_.shape), np.nan)]
+        shared_components = np.moveaxis(shared, 0, 2)[[SOURCES.index(key) for key in self.members.shared]]
+        value = from_scale(name, effects.mean)
+        columns = {"": value, "_between": effects.between, "_within": effects.within}
+        for key, component in zip(_FURTHER, of_scatter, strict=True):
+            total = combination.added_up([component, *shared_components])
+            bounds = combination.interval_bounds(name, effects.mean, total)
+            limits = combination.limited(name, bounds, value=value, load=self.loads, hardness=self.hardest)
+            for suffix, limit in zip(ENDS[1:], limits, strict=True):
+                columns[f"{key}{suffix}"] = np.where(np.isnan(component[0]), np.nan, limit)  # no interval
+        return columns
 
+    def range_of(self, name: str, of_maps: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the median (load) of a number of maps, and the range of their intervals, by endings."""
+        has_ends = all(f"{name}{suffix}" in data for data in self.datasets for suffix in ENDS[1:])
+        lower, upper = (self.at_loads(f"{name}{end}") if has_ends else of_maps for end in ENDS[1:])
+        middle = np.median(of_maps, axis=0)
+        return dict(zip(ENDS, (middle, lower.min(axis=0), upper.max(axis=0)), strict=True))
 
-def _effects(
-    name: str, values: np.ndarray, half_width: np.ndarray, part_names: Sequence[str], members: Members
-) -> tuple[Effects, np.ndarray]:
-    """Return mean and scatter of maps (map, load) on the scale, and whether the bank expects this (load).
+    def effects(
+        self, name: str, values: np.ndarray, half_width: np.ndarray
+    ) -> tuple[random_effects.Effects, np.ndarray]:
+        """Return mean and scatter of the maps (map, load) on the scale, and whether the bank expects this.
 
-    `half_width` is that of the source `window` of a map, which tells how maps of the bank scatter.
-    """
-    effects = random_effects(values, part_names)
-    is_expected = np.isfinite(half_width) & (half_width > 0)
-    is_expected &= members.has_calibrated_scatter and effects.units == len(values)
-    if is_expected.any():
-        scatter, freedom = scatter_between_maps(name, np.where(is_expected, half_width, 0.0))
-        effects = moderated(effects, scatter, np.where(is_expected, freedom, 0.0))
-    return effects, is_expected
-
-
-def _of_map_alone(
-    name: str, dataset: xr.Dataset, loads: np.ndarray, value: np.ndarray, components: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return a quantity of a map on its scale, and its half-width by the window, without its overviews.
-
-    `value` and `components` are those with them, by `scaled_at`.
-    """
-    half_width = components[:, SOURCES.index("window"), :2].mean(axis=1)
-    if f"{name}_{ALONE}" not in dataset:
-        return value, half_width
-    columns = (to_scale(name, dataset[f"{name}_{ALONE}{suffix}"].values) for suffix in ENDS)
-    own_loads = dataset["mean_pressure"].values
-    alone, lower, upper = (interpolated(own_loads, loads, column) for column in columns)
-    is_known = np.isfinite(alone)  # NaN of a map beside others with an overview
-    return np.where(is_known, alone, value), np.where(is_known, (upper - lower) / 2, half_width)
+        `half_width` (load) is that of the source `window` of a map, which tells how maps of the bank scatter.
+        """
+        effects = random_effects.random_effects(values, self.parts)
+        is_expected = np.isfinite(half_width) & (half_width > 0)
+        is_expected &= self.members.has_calibrated_scatter and effects.units == len(values)
+        if is_expected.any():
+            scatter, freedom = scatter_between_maps(name, np.where(is_expected, half_width, 0.0))
+            effects = random_effects.moderated(effects, scatter, np.where(is_expected, freedom, 0.0))
+        return effects, is_expected
 
 
 def scaled_components(
@@ -363,14 +334,9 @@ def scaled_components(
     in_units = columns.values[: len(SOURCES)]  # not of what they make together
     # an unbounded half-width is NaN in the file
     sides = [np.nan_to_num(side, nan=np.inf) for side in in_units]
-    return np.stack([component_from_units(scale or name, values, side) for side in sides]).transpose(2, 0, 1)
-
-
-def scaled_at(name: str, dataset: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return a quantity of a map, NaN where infinite, and its components on its scale at some loads (Pa)."""
-    own_loads, values = dataset["mean_pressure"].values, to_scale(name, dataset[name].values)
-    values, components = np.where(np.isinf(values), np.nan, values), scaled_components(name, dataset)
-    return interpolated(own_loads, loads, values), interpolated(own_loads, loads, components)
+    return np.stack(
+        [combination.component_from_units(scale or name, values, side) for side in sides]
+    ).transpose(2, 0, 1)
 
 
 def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:
