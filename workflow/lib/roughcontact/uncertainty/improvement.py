@@ -67,28 +67,18 @@ def maps_for(
 def planning_line(statistics: xr.Dataset) -> str:
     """Return how many places of this size make what is asked for known to ± 10 %; empty if it is already."""
     subject = _subject(statistics)
-    widths = {**subject.widths}
-    of_window = widths.pop("window", math.inf)
+    shared_error, size = subject.shared_error, subject.size
     # of a number known worse than to itself nobody plans a tenth
-    beyond_plans = subject.half_width <= _PLANNED or (
-        subject.name in CONSTRICTIONS and not subject.half_width < 1
-    )
-    if not math.isfinite(of_window) or beyond_plans:
+    beyond_plans = subject.name in CONSTRICTIONS and not subject.half_width < 1
+    if subject.half_width <= _PLANNED or beyond_plans or not math.isfinite(subject.of_places[0]):
         return ""
-    shared_error = math.hypot(*widths.values())
-    of_windows = _half_widths_of_places(of_window, subject)
-    if places := maps_for(_PLANNED, of_windows, shared_error, subject.name):
-        return f"{counted_noun(places, 'place')} {_of_which_size(statistics, subject.name)} in all"
-    if shared_error >= _PLANNED:
-        largest = max(widths, key=widths.__getitem__)
-        width = f"is ± {percent(shared_error, digits=2)}" if math.isfinite(shared_error) else "has no bound"
-        return f"no number of places, the {largest} alone {width}"
-    return f"more than {_MAX_MAPS} places {_of_which_size(statistics, subject.name)}"
-
-
-def _of_which_size(statistics: xr.Dataset, name: str) -> str:
-    """Return what further places have to be, by what made the interval of a number as narrow as it is."""
-    return f"of this size{', each with its overview' if f'{name}_{ALONE}' in statistics else ''}"
+    if places := maps_for(_PLANNED, subject.of_places, shared_error, subject.name):
+        return f"{counted_noun(places, 'place')} {size} in all"
+    if shared_error < _PLANNED:
+        return f"more than {_MAX_MAPS} places {size}"
+    largest = max(subject.widths.keys() - {"window"}, key=subject.widths.__getitem__)
+    width = f"is ± {percent(shared_error, digits=2)}" if math.isfinite(shared_error) else "has no bound"
+    return f"no number of places, the {largest} alone {width}"
 
 
 def add_halving(statistics: xr.Dataset, *, overview: bool = False) -> xr.Dataset:
@@ -137,17 +127,13 @@ def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
     if math.isnan(subject.value) or half_width <= _NARROW:
         return ""
     first_steps, advice = _advice(statistics)
-    of_window = widths.get("window", 0.0)
-    if not math.isfinite(half_width + of_window):
+    if not math.isfinite(half_width) or math.isinf(subject.of_places[0]):
         return "; ".join([*first_steps, _LONGER_FIELD])
     if "window" in widths:
-        shared_error = math.hypot(*(width for source, width in widths.items() if source != "window"))
-        size, of_places = _of_which_size(statistics, subject.name), _half_widths_of_places(of_window, subject)
-        advice["window"] = _more_places(subject, shared_error, of_places, size)
+        advice["window"] = _more_places(subject)
         if overview and subject.name == AREA and f"{AREA}_alone_lower" not in statistics:
-            promised = math.hypot(
-                shared_error, _by_the_bank(table()["overview_promise"], of_window, subject.value)
-            )
+            by_overview = _by_the_bank(table()["overview_promise"], widths["window"], subject.value)
+            promised = math.hypot(subject.shared_error, by_overview)
             if promised < _WORTHWHILE * half_width:
                 text = f"{_OVERVIEW} (to about ± {percent(promised, digits=2)})"
                 advice["window"] = f"{text}, or {advice['window'].removeprefix('measure ')}"
@@ -176,11 +162,11 @@ def _advice(statistics: xr.Dataset) -> tuple[list[str], dict[str, str]]:
     return [f"clean the summit at ({x}, {y})"], advice
 
 
-def _half_widths_of_places(of_window: float, subject: "_Subject") -> tuple[float, float]:
-    """Return the relative half-widths of the window of a map, and of another place."""
-    if subject.name != AREA:  # of no other number the bank tells how those of other places differ
+def _half_widths_of_places(of_window: float, name: str, value: float) -> tuple[float, float]:
+    """Return the relative half-widths of a number by the window of a map, and of another place."""
+    if name != AREA:  # of no other number the bank tells how those of other places differ
         return of_window, of_window
-    return of_window, _by_the_bank(table()["groups"]["other_places"], of_window, subject.value)
+    return of_window, _by_the_bank(table()["groups"]["other_places"], of_window, value)
 
 
 def _by_the_bank(line: Sequence[float], of_window: float, area: float) -> float:
@@ -192,16 +178,18 @@ def _by_the_bank(line: Sequence[float], of_window: float, area: float) -> float:
 
 
 class _Subject(NamedTuple):
-    """A number whose interval is to be halved: its relative half-width, and that of each source.
+    """A number whose interval is to be halved, with relative half-widths; infinite where nothing bounds it.
 
-    It is infinite where nothing bounds it. That of a leak is three times that of its narrowest place, whose
-    cube it is.
+    Those of a leak are three times those of its narrowest place, whose cube it is.
     """
 
     name: str
     value: float = math.nan
     half_width: float = math.nan
-    widths: Mapping[str, float] = MappingProxyType({})
+    widths: Mapping[str, float] = MappingProxyType({})  # by source
+    of_places: tuple[float, float] = (math.nan, math.nan)  # by the window, of this map and of another place
+    shared_error: float = 0.0  # by all other sources
+    size: str = "of this size"  # what further places have to be
 
 
 def _asked_number(statistics: xr.Dataset) -> tuple[list[str], str]:
@@ -234,22 +222,30 @@ def _subject_at_load(at_load: xr.Dataset, name: str) -> _Subject:
     if not value > 0:
         return _Subject(name)
     power = 3.0 if name in CONSTRICTIONS else 1.0
-    components = at_load[f"{name}_components"]
-    is_unbounded = components.isnull().any("component").values
+    is_unbounded = at_load[f"{name}_components"].isnull().any("component").values
     widths = np.where(is_unbounded, np.inf, at_load[f"{name}_uncertainty"].values / value * power)
-    by_source: dict[str, float] = dict(zip(at_load["source"].values, map(float, widths), strict=True))
+    by_source = dict(zip(at_load["source"].values, widths.tolist(), strict=True))
     by_source = {source: by_source[source] for source in SOURCES if not math.isnan(by_source[source])}
-    return _Subject(name, value, power * float(relative_half_width(value, lower, upper)), by_source)
+    of_window = by_source.get("window", math.nan)
+    return _Subject(
+        name,
+        value,
+        half_width=power * float(relative_half_width(value, lower, upper)),
+        widths=by_source,
+        of_places=_half_widths_of_places(of_window, name, value),
+        shared_error=math.hypot(*(width for source, width in by_source.items() if source != "window")),
+        size="of this size, each with its overview" if f"{name}_{ALONE}" in at_load else "of this size",
+    )
 
 
-def _more_places(subject: _Subject, shared_error: float, of_windows: Sequence[float], size: str) -> str:
-    """Return how many more maps of a size (in words) halve the interval."""
+def _more_places(subject: _Subject) -> str:
+    """Return how many more maps halve the interval."""
     target = subject.half_width / 2
-    if shared_error >= target:
-        target = math.hypot(shared_error, of_windows[0] / 2)
-    maps = maps_for(target, of_windows, shared_error, subject.name)
+    if subject.shared_error >= target:
+        target = math.hypot(subject.shared_error, subject.of_places[0] / 2)
+    maps = maps_for(target, subject.of_places, subject.shared_error, subject.name)
     if maps is None:
         return "measure more places"
-    half_width = half_width_of_mean(of_windows, maps, shared_error, subject.name)
+    half_width = half_width_of_mean(subject.of_places, maps, subject.shared_error, subject.name)
     text = f" (their mean: to about ± {percent(half_width, digits=2)})" if half_width < 1 else ""
-    return f"measure {counted_noun(maps - 1, 'more place')} {size}{text}"
+    return f"measure {counted_noun(maps - 1, 'more place')} {subject.size}{text}"
