@@ -24,7 +24,7 @@ from roughcontact.arguments.quantities import number, percent
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, RoughContactError
 from roughcontact.results.storage import read_dataset, write_table
-from roughcontact.uncertainty.headline import headline_values, iterate_fields
+from roughcontact.uncertainty.budget_inputs import headline_values, iterate_fields
 
 WORDS = {
     "relative_contact_area": "contact area",

@@ -9,9 +9,8 @@ from roughcontact.contact.elasticity import influence
 from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.kernels.fourier import wavevectors
 from roughcontact.surface.synthetic import rough_reference_surface
-from roughcontact.uncertainty.headline import headline_values
+from roughcontact.uncertainty.budget_inputs import headline_values, solver_uncertainty
 from roughcontact.uncertainty.scales import CONDUCTANCE
-from roughcontact.uncertainty.solver import solver_uncertainty
 
 
 def loves_rectangle(x, y, dy, dx):

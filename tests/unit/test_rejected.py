@@ -10,7 +10,7 @@ from roughcontact.surface.levelling.rejected import rejected_points, restore_rej
 from roughcontact.surface.synthetic import self_affine_surface
 from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.uncertainty.rejected import rejected_load_share
+from roughcontact.uncertainty.ensemble import rejected_load_share
 
 LOADS = [2e-3, 2e-2]
 PROBLEM = {"contact_modulus": 1.0, "mean_pressure": LOADS, "tolerance": 1e-4}

@@ -17,8 +17,7 @@ from roughcontact.statistics.contact_statistics import contact_statistics, with_
 from roughcontact.surface.levelling.level import level
 from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import SOURCES, error_budget
-from roughcontact.uncertainty.budget_inputs import budget_inputs
-from roughcontact.uncertainty.headline import headline_values, iterate_fields
+from roughcontact.uncertainty.budget_inputs import budget_inputs, headline_values, iterate_fields
 from roughcontact.uncertainty.scales import QUANTITIES
 from validation.coverage import measured_cases
 from validation.masters import FAULTS

@@ -13,9 +13,16 @@ from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.surface.synthetic import westergaard_surface
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.ensemble import Result
-from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.inputs import input_uncertainty, stiffer
-from roughcontact.uncertainty.scales import ANSWERS, AREA, CONSTRICTIONS, QUANTITIES, from_scale, to_scale
+from roughcontact.uncertainty.scales import (
+    ANSWERS,
+    AREA,
+    CONSTRICTIONS,
+    QUANTITIES,
+    from_scale,
+    headline_names,
+    to_scale,
+)
 
 MODULUS, GRADIENT, THICKNESS = 1e9, 0.1, 3e-6
 INPUTS = ("mean_pressure", "contact_modulus", "amplification_z", "amplification_xy", "hardness")

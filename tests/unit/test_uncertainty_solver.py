@@ -5,9 +5,8 @@ import pytest
 
 from roughcontact import contact_statistics, solve_contact
 from roughcontact.surface import synthetic
-from roughcontact.uncertainty.budget_inputs import budget_inputs
+from roughcontact.uncertainty.budget_inputs import budget_inputs, points_within_reach, solver_uncertainty
 from roughcontact.uncertainty.discretisation import CORRECTED
-from roughcontact.uncertainty.solver import points_within_reach, solver_uncertainty
 
 SHAPES = ((32, 32), (64, 64), (40, 96), (1, 128))
 

@@ -6,7 +6,7 @@ from known_surfaces import GRADIENT, contact, self_affine, surface
 
 from roughcontact import SettingsError, height_map, level, periodic_window
 from roughcontact.surface.roughness.texture import texture_parameters
-from roughcontact.uncertainty import sample, subwindows
+from roughcontact.uncertainty import subwindows
 from roughcontact.uncertainty.ensemble import Result, solve_member
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, extend_to_loads, to_scale
 from roughcontact.uncertainty.subwindows import divided, scatter_of_subwindows
@@ -33,7 +33,7 @@ def flag(levelled):
     """Return what the subwindows of a map do not tell."""
     aspect = texture_parameters(periodic_window(levelled))["Str"]
     _, scatter = scattered(levelled, contact(0.1))
-    return sample.sample_attributes(scatter, levelled, aspect=aspect)["window_flag"]
+    return subwindows.sample_attributes(scatter, levelled, aspect=aspect)["window_flag"]
 
 
 def test_subwindows_lie_side_by_side_in_the_window():
@@ -141,7 +141,7 @@ def test_a_small_map_has_few_parts_and_a_smaller_one_none():
     _, none = scattered(levelled, problem)
     assert len(none.slices) == 1
     assert none.features == {}
-    attrs = sample.sample_attributes(none, levelled, aspect=1.0)
+    attrs = subwindows.sample_attributes(none, levelled, aspect=1.0)
     assert "too small" in attrs["window_reason"]
     assert "Measure more places" in attrs["window_flag"]
     with pytest.raises(SettingsError, match="windows = 3"):

@@ -33,9 +33,8 @@ from roughcontact.statistics.subsurface import add_subsurface_yield
 from roughcontact.surface.preparation.periodic_map import Settings
 from roughcontact.surface.window.band import lateral_period_limit
 from roughcontact.surface.window.instrument import stated_instrument
-from roughcontact.uncertainty.budget_inputs import budget_inputs
+from roughcontact.uncertainty.budget_inputs import budget_inputs, constrictions_in_grooves
 from roughcontact.uncertainty.improvement import add_overview_line
-from roughcontact.uncertainty.sample import constrictions_in_grooves
 
 _OF_WINDOW = (  # what a group of maps has in common, how rows were aligned, where a summit stands out
     *("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles"),

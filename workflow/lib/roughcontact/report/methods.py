@@ -17,7 +17,7 @@ from roughcontact.report.template import paragraph, template
 from roughcontact.report.units import interval_at, number_text, unit_of
 from roughcontact.statistics.decisions import CLOSED
 from roughcontact.statistics.kinds import facts_of_numbers
-from roughcontact.uncertainty.sample import MEASURAND_IN_WORDS
+from roughcontact.uncertainty.subwindows import MEASURAND_IN_WORDS
 
 _MAX_LOADS = 3  # whose answers a paragraph has: the lowest, one between, the highest
 

@@ -15,19 +15,15 @@ from roughcontact.errors import HeightMapError
 from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.surface.window.transfer import undone
-from roughcontact.uncertainty.budget_inputs import budget_inputs
+from roughcontact.uncertainty.budget_inputs import budget_inputs, solver_components
 from roughcontact.uncertainty.combination import COMBINED, SIDES, SOURCES, Components, sum_of_causes
 from roughcontact.uncertainty.discretisation import Refinement, discretisation_error, periodic_interpolant
-from roughcontact.uncertainty.ensemble import Result, loads_of, measured_slices
-from roughcontact.uncertainty.headline import headline_names
+from roughcontact.uncertainty.ensemble import Result, loads_of, measured_slices, rejected_load_share
 from roughcontact.uncertainty.inputs import AMPLIFICATIONS, HARDNESS, INPUTS, input_uncertainty
 from roughcontact.uncertainty.instrument import add_correction_source, instrument_components
 from roughcontact.uncertainty.intervals import add_pressure, area_for_the_load, interval_columns
-from roughcontact.uncertainty.rejected import rejected_load_share
-from roughcontact.uncertainty.sample import sample_attributes
-from roughcontact.uncertainty.scales import AREA, PRESSURE, to_scale
-from roughcontact.uncertainty.solver import solver_components
-from roughcontact.uncertainty.subwindows import Scatter, scatter_of_subwindows
+from roughcontact.uncertainty.scales import AREA, PRESSURE, headline_names, to_scale
+from roughcontact.uncertainty.subwindows import Scatter, sample_attributes, scatter_of_subwindows
 from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, magnification_curve, next_octave
 
 # input of the contact that may be uncertain -> the source that it is a part of

@@ -106,7 +106,7 @@ def monotonic(name: str, bounds: Ends, load: np.ndarray) -> Ends:
     return lower, upper
 
 
-def limited(name: str, bounds: Ends, *, value: np.ndarray, load: np.ndarray, hardness: float) -> Ends:
+def limited(name: str, bounds: Ends, value: np.ndarray, load: np.ndarray, hardness: float) -> Ends:
     """Return ends within physical limits; NaN where an upper end is unbounded, both where none is known.
 
     A result at a physical limit, up to rounding, stays inside its own interval.

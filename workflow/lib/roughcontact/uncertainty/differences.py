@@ -22,10 +22,9 @@ from roughcontact.statistics.load_pairs import common_loads, interpolated, paire
 from roughcontact.uncertainty import random_effects
 from roughcontact.uncertainty.combination import SIGNS, SOURCES
 from roughcontact.uncertainty.groups import check_alike, scaled_components
-from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.improvement import ADVICE
 from roughcontact.uncertainty.members import SHARED
-from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, extend_to_loads, to_scale
+from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, extend_to_loads, headline_names, to_scale
 
 RELEVANT = 0.1  # relative difference that matters, unless another one is stated
 DIFFER = "differ"

@@ -7,21 +7,16 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.answers import AREA, GAP
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.maps import spacing
 from roughcontact.contact.fields import solved_fields
 from roughcontact.contact.solve import elasticity
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
-from roughcontact.uncertainty.headline import headline_values
-from roughcontact.uncertainty.scales import (
-    ANSWERS,
-    AREA,
-    CONSTRICTIONS,
-    GAP,
-    extend_to_loads,
-    from_scale,
-    to_scale,
-)
+from roughcontact.surface.levelling.rejected import rejected_points, restore_rejected
+from roughcontact.surface.window.periodic_window import periodic_window
+from roughcontact.uncertainty.budget_inputs import headline_values
+from roughcontact.uncertainty.scales import ANSWERS, CONSTRICTIONS, extend_to_loads, from_scale, to_scale
 
 Values = Mapping[str, np.ndarray]  # quantity -> array (load)
 LOADS = 3  # at which a member is solved: both ends and the middle
@@ -175,3 +170,29 @@ class Result(NamedTuple):
         """Return the results of other windows (member, few loads), each load in one piece of memory."""
         results = [self.solve_at_samples(window) for window in windows]
         return {name: np.array([member[name] for member in results], order="F") for name in self.values}
+
+
+def rejected_load_share(
+    levelled_map: xr.DataArray, *, window: Mapping[str, Any], contact: Mapping[str, Any]
+) -> np.ndarray:
+    """Return the share (load) of the load that the rejected points would carry if they were kept.
+
+    The map with them is made periodic and solved again; points blended with one count. NaN where a load
+    misses the tolerance or rejected heights are unknown, 0 without rejected points.
+    """
+    loads = loads_of(contact)
+    if "rejected_height" not in levelled_map.coords and levelled_map.attrs.get("outliers_rejected", 0):
+        return np.full(loads.shape, np.nan)
+    copy = levelled_map.copy(deep=False)  # heights loaded into the copy are freed before the solve
+    if not rejected_points(copy).any():
+        return np.zeros(loads.shape)
+    # periodisation carries the marks into the window, blended edges included
+    restored_map = periodic_window(restore_rejected(copy), **window)
+    del copy
+    is_rejected = restored_map["filled"].values != 0
+    if not is_rejected.any():
+        return np.zeros(loads.shape)
+    share, tolerance = np.full(loads.shape, np.nan), max(TOLERANCE, contact.get("tolerance", 0.0))
+    for load, pressure, *_ in solved_fields(restored_map, contact, tolerance=tolerance):
+        share[load] = pressure[is_rejected].sum(dtype=float) / pressure.sum(dtype=float)
+    return share

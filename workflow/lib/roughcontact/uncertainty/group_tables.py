@@ -10,8 +10,8 @@ import xarray as xr
 from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.measurement import json_attribute, json_attributes
 from roughcontact.uncertainty.differences import COMPARED
-from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.members import Members, members_of_group
+from roughcontact.uncertainty.scales import headline_names
 
 _ENDINGS = ("", *(f"{key}{suffix}" for key in ("", "_next", "_next_part") for suffix in ENDS[1:]))
 

@@ -27,9 +27,8 @@ from roughcontact.surface.window.band import is_limited_by_grid
 from roughcontact.uncertainty import combination, random_effects
 from roughcontact.uncertainty.calibration import ALONE, scatter_between_maps
 from roughcontact.uncertainty.combination import SOURCES
-from roughcontact.uncertainty.headline import headline_names
 from roughcontact.uncertainty.members import Members, members_of_group
-from roughcontact.uncertainty.scales import ALL, from_scale, to_scale
+from roughcontact.uncertainty.scales import ALL, from_scale, headline_names, to_scale
 
 MIN_FOR_INTERVAL = 3  # parts, or maps, below which there is a range instead of an interval
 _SAME = 1e-6  # relative, of moduli
@@ -291,7 +290,7 @@ class _Maps(NamedTuple):
         for key, component in zip(_FURTHER, of_scatter, strict=True):
             total = combination.added_up([component, *shared_components])
             bounds = combination.interval_bounds(name, effects.mean, total)
-            limits = combination.limited(name, bounds, value=value, load=self.loads, hardness=self.hardest)
+            limits = combination.limited(name, bounds, value, self.loads, self.hardest)
             for suffix, limit in zip(ENDS[1:], limits, strict=True):
                 columns[f"{key}{suffix}"] = np.where(np.isnan(component[0]), np.nan, limit)  # no interval
         return columns

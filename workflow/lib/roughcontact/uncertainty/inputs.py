@@ -19,8 +19,7 @@ from roughcontact.contact.solve import NEAR_HARDNESS
 from roughcontact.errors import SettingsError
 from roughcontact.uncertainty.combination import Component, Components, component_from_units, half_widths
 from roughcontact.uncertainty.ensemble import Result, Values, solve_member
-from roughcontact.uncertainty.headline import headline_names
-from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, PEAK, PRESSURE
+from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, PEAK, PRESSURE, headline_names
 
 AMPLIFICATIONS = ("amplification_z", "amplification_xy")
 _LOAD, _MODULUS, _HEIGHTS, HARDNESS = "mean_pressure", "contact_modulus", AMPLIFICATIONS[0], "hardness"

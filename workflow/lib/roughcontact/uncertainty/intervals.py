@@ -7,19 +7,9 @@ from itertools import product
 import numpy as np
 
 from roughcontact.arguments.choices import UncertaintySource
-from roughcontact.uncertainty import calibration
+from roughcontact.uncertainty import calibration, combination
 from roughcontact.uncertainty.calibration import ALONE, JOINT, MEASURANDS
-from roughcontact.uncertainty.combination import (
-    SIGNS,
-    Component,
-    Components,
-    added_up,
-    columns_of_components,
-    half_widths,
-    interval_bounds,
-    limited,
-    monotonic,
-)
+from roughcontact.uncertainty.combination import SIGNS, Component, Components
 from roughcontact.uncertainty.discretisation import CORRECTED
 from roughcontact.uncertainty.ensemble import Result, Values
 from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, PRESSURE, from_scale, to_scale
@@ -53,7 +43,7 @@ def window_components(
             below, above = below * gap, above * gap
         if name in scatter.open_ended and measurand != "map":
             above = np.where(scatter.open_ended[name], np.inf, above)
-        windows[measurand][name] = half_widths(below, above)
+        windows[measurand][name] = combination.half_widths(below, above)
     return windows
 
 
@@ -83,40 +73,40 @@ def interval_columns(
         widest[result.few] = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
     components = {source: add_pressure(causes, centres[AREA]) for source, causes in components.items()}
     windows = {key: add_pressure(component, centres[AREA]) for key, component in windows.items()}
-    by_source = {**components, "window": windows["surface"]}
-    # beginning of the name -> results on their scales and in their units, and what adds up about them
-    intervals = {"": (centres, values, [*by_source.values()])}
-    for key in [*windows][1:]:  # without the source `window` nothing is known of other places
-        causes = [*components.values(), windows[key]] if scatter or key == "map" else []
-        intervals[f"{key}_"] = centres, values, causes
-    shorter = [] if octave is None else [*by_source.values(), add_pressure(octave, centres[AREA])]
-    intervals["octave_"] = centres, values, shorter
+    # measurand -> what adds up; without the source `window` nothing is known of other places
+    causes: dict[str, list[Components]] = {
+        key: [*components.values(), component] if scatter or key != "next" else []
+        for key, component in windows.items()
+    }
+    causes["octave"] = [] if octave is None else [*causes["surface"], add_pressure(octave, centres[AREA])]
     columns: dict[str, tuple] = {}
     if scatter and scatter.overview:  # the map, without what its overview shows of other places
         of_map = {name: centre - scatter.shift.get(name, 0.0) for name, centre in middle.items()}
         in_units = _consistent(result, as_solved, of_map)[1]
         columns |= {f"{name}_{ALONE}": ("load", in_units[name]) for name in (*scatter.shift, PRESSURE)}
     for name, plain in as_solved.items():
-        for prefix, (on_scales, in_units, causes) in intervals.items():
-            if prefix == f"{JOINT}_" and name not in windows[JOINT]:
+        value = values[name]
+        for key, parts in causes.items():
+            if key == JOINT and name not in windows[JOINT]:
                 continue
-            value = in_units[name]
             lower = upper = np.full(value.shape, np.nan)
-            if present := [cause[name] for cause in causes if name in cause]:
-                bounds = interval_bounds(name, on_scales[name], added_up(present))
+            if present := [part[name] for part in parts if name in part]:
+                bounds = combination.interval_bounds(name, centres[name], combination.added_up(present))
                 if name == GAP and scatter:  # closed by full contact, it may be open elsewhere
                     bounds = np.where(value > 0, bounds[0], 0.0), np.where(value > 0, bounds[1], widest)
-                bounds = monotonic(name, bounds, result.load)
-                lower, upper = limited(name, bounds, value=value, load=result.load, hardness=hardest)
-            columns |= {f"{name}_{prefix}lower": ("load", lower), f"{name}_{prefix}upper": ("load", upper)}
+                bounds = combination.monotonic(name, bounds, result.load)
+                lower, upper = combination.limited(name, bounds, value, result.load, hardest)
+            prefix = name if key == "surface" else f"{name}_{key}"
+            columns |= {f"{prefix}_lower": ("load", lower), f"{prefix}_upper": ("load", upper)}
         if scatter and name in scatter.joint:
             joint = from_scale(name, centres[name] + scatter.joint[name])
-            columns[f"{name}_{JOINT}"] = "load", np.where(np.isnan(joint), values[name], joint)
+            columns[f"{name}_{JOINT}"] = "load", np.where(np.isnan(joint), value, joint)
         if name in (*CORRECTED, PRESSURE, *(scatter.shift if scatter else ())):
             columns[f"{name}_as_solved"] = ("load", plain)
-        of_name = {source: causes[name] for source, causes in by_source.items() if name in causes}
+        by_source = {**components, "window": windows["surface"]}
+        of_name = {source: parts[name] for source, parts in by_source.items() if name in parts}
         bounds = columns[f"{name}_lower"][1], columns[f"{name}_upper"][1]
-        columns |= columns_of_components(name, values[name], of_name, bounds)
+        columns |= combination.columns_of_components(name, value, of_name, bounds)
     return columns
 
 

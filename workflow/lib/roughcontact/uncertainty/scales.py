@@ -5,6 +5,9 @@ the logarithm of the load, which never leads beyond full contact; narrowest plac
 as they are, all others as logarithms.
 """
 
+from collections.abc import Container
+from typing import Any
+
 import numpy as np
 import scipy
 
@@ -54,3 +57,8 @@ def extend_to_loads(values: np.ndarray, indices: np.ndarray, load: np.ndarray) -
     """Return numbers at all loads from those at the indices `indices`, linear in ln p; NaN beside a NaN."""
     rank = np.argsort(load[indices])
     return np.interp(np.log(load), np.log(load[indices][rank]), np.asarray(values, float)[rank])
+
+
+def headline_names(dataset: Container[Any]) -> tuple[str, ...]:
+    """Return the names of the headline quantities and the answers that a dataset contains."""
+    return tuple(name for name in ALL if name in dataset)

@@ -1,4 +1,4 @@
-"""Scatter of the results within a map: its subwindows, each solved as if it had been measured alone.
+"""Scatter of the results within a map, of its subwindows as if each was measured alone, and its words.
 
 On a stationary surface the map, n times as large, scatters s/sqrt(n), s the scatter of n subwindows longer
 than its longest wave; most surfaces differ on every length. The variances of the rms gradient of 4, 9, 16 and
@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments import quantities
 from roughcontact.arguments.maps import spacing
 from roughcontact.errors import SettingsError
 from roughcontact.surface.levelling.forms import form_order
@@ -23,12 +24,15 @@ from roughcontact.surface.levelling.polynomial import fit_polynomial
 from roughcontact.surface.window.periodic_window import subwindow
 from roughcontact.uncertainty.calibration import Features, Measurand
 from roughcontact.uncertainty.ensemble import Result, Values, measured_slices
-from roughcontact.uncertainty.scales import AREA, PEAK, to_scale
+from roughcontact.uncertainty.scales import AREA, GAP, PEAK, to_scale
 
 _MIN_POINTS_PER_SIDE = 12  # of a subwindow
 _CUTS = (2, 3, 4, 6)  # of the sides, for statistics without a solution
 _POINTS_IN_MEMORY = 2**22  # of a map that is read from its file
 _MIN_SCATTER = 0.02  # of a logarithm, and of a result that is not closed; less is chance
+MEASURAND_IN_WORDS = "the mean of maps of this size all over the surface, in the band of waves of this map"
+_KURTOSIS_LIMIT = 8.0  # above it a few places hold most of the mean square height
+_LAY_LIMIT = 0.07  # texture aspect ratio below which the subwindows along a lay hold the same ridges
 
 Slices = dict[str, slice]  # rows ("y") and columns ("x") of a map
 
@@ -160,3 +164,57 @@ def divided(region: Slices, step: tuple[float, float], number: int, shortest: fl
         for axis, n, k in zip("yx", sides, max(cuts, key=score), strict=True)
     )
     return [{"y": y, "x": x} for y, x in product(rows, columns)]
+
+
+def sample_attributes(scatter: Scatter, height: xr.DataArray, *, aspect: float) -> dict[str, Any]:
+    """Return what is said of the members of a map of a texture aspect ratio, and what they do not tell.
+
+    `window_advice`, with which `window_flag` ends, is what to do about that.
+    """
+    has_failure = np.isnan(scatter.members[GAP]).any()
+    if scatter.reason:
+        flag = "The solution of a surface missed the tolerance." if has_failure else ""
+        return {"window_reason": scatter.reason, "window_flag": flag}
+    ny, nx = height.isel(scatter.slices[0]).shape
+    parts = len(scatter.slices)
+    if parts == 1:
+        reason = f"The window of {nx} × {ny} points is too small to be divided into parts."
+        flag = (
+            f"The map is too small to estimate how well it represents the surface: {nx} × {ny} points cannot "
+            "be divided into parts."
+        )
+        return {"window_reason": reason, **_flagged(flag, "Measure more places, or a larger one.")}
+    coverage = sum(math.prod(height.isel(area).shape) for area in scatter.slices) / height.size
+    reason = (
+        f"The ± is for {MEASURAND_IN_WORDS}. {parts} parts of about {nx} × {ny} points, "
+        f"{quantities.percent(coverage)} of the map, were solved separately; their scatter is held against "
+        "that of measured and synthetic surfaces."
+    )
+    reason += f" {scatter.overview}" if scatter.overview else ""
+    if scatter.open_ended:
+        axes = " and ".join(name[-1] for name in scatter.open_ended)
+        reason += (
+            f" Grooves or valleys lead out of the map along {axes}: their narrowest place has no upper "
+            "limit, as it may be wider elsewhere."
+        )
+    flag, advice, kurtosis = "", "", height.attrs.get("Sku", 3.0)
+    if has_failure:
+        flag = "The solution of a part of the window missed the tolerance."
+    elif kurtosis > _KURTOSIS_LIMIT:
+        flag = (
+            "A few places, deep pits or high peaks, contribute most of the mean square height (Sku = "
+            f"{quantities.number(kurtosis)}): a single map does not tell their number elsewhere."
+        )
+        advice = "Measure more places."
+    elif aspect < _LAY_LIMIT:
+        flag = (
+            f"The surface has a lay, and parts along it contain the same ridges: the {parts} parts are worth "
+            "no more than three independent ones."
+        )
+        advice = "Measure a map that is longer across the lay, or more places."
+    return {"window_reason": reason, **_flagged(flag, advice)}
+
+
+def _flagged(flag: str, advice: str) -> dict[str, str]:
+    """Return the attributes of a deficiency, and what to do about it."""
+    return {"window_flag": f"{flag} {advice}".strip(), "window_advice": advice}
