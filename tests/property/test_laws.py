@@ -556,3 +556,25 @@ def test_at_the_load_of_first_yield_it_begins():
         at_yield = rc.solve_contact(window, mean_pressure=load, **contact)
         stress = rc.contact_statistics(at_yield, bodies=BODIES, stress="always")["max_von_mises_stress"]
         assert float(stress[0]) == pytest.approx(BODIES[0]["yield_stress"], rel=0.05)
+
+
+@pytest.mark.parametrize("further", [[1e6, 8e6, 4e8], [3e8, 9e7]])
+def test_a_load_has_the_result_and_the_interval_that_it_has_alone(further):
+    """But of the largest pressure, whose ends at one load bound those at heavier or lighter ones."""
+    rough = made(3, shape=(64, 64), lay=0.0) * 10
+    stated = {
+        "bodies": [{"material": "steel", "hardness": "2 GPa", "hardness_uncertainty": 0.1}, "rigid"],
+        "instrument": {"noise": "10 nm", "resolution": "3 um"},
+    }
+    alone = rc.evaluate(rough, mean_pressure=[1e8], **stated)
+    beside = rc.evaluate(rough, mean_pressure=[*further, 1e8], **stated).isel(load=[-1])
+    names = [
+        name
+        for name, values in alone.data_vars.items()
+        if "load" in values.dims and values.dtype.kind == "f" and name != "operator_applications"
+    ]
+    assert {"relative_contact_area_lower", "mean_gap_next_upper", "max_pressure_parts"} <= {*names}
+    for name in names:
+        if name.startswith("max_pressure_") and name.endswith(("lower", "upper", "known", "uncertainty")):
+            continue
+        np.testing.assert_allclose(beside[name], alone[name], rtol=1e-5, err_msg=name)

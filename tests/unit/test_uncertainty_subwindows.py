@@ -8,7 +8,7 @@ from roughcontact import SettingsError, height_map, level, periodic_window
 from roughcontact.surface.roughness.texture import texture_parameters
 from roughcontact.uncertainty import subwindows
 from roughcontact.uncertainty.ensemble import Result, solve_member
-from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, extend_to_loads, to_scale
+from roughcontact.uncertainty.scales import AREA, CONSTRICTIONS, GAP, PEAK, to_scale
 from roughcontact.uncertainty.subwindows import divided, scatter_of_subwindows
 
 NAMES = (AREA, GAP, PEAK, *CONSTRICTIONS)
@@ -192,22 +192,3 @@ def test_a_window_that_is_flat_up_to_rounding_is_flat():
     assert flat[AREA].tolist() == [1, 1]
     assert flat[GAP].tolist() == [0, 0]
     assert (rough[AREA] < 1).all()
-
-
-def test_few_loads_have_both_ends_and_even_steps():
-    for load, chosen in (
-        (np.geomspace(1.0, 1e3, 7)[::-1], [0, 3, 6]),
-        ([40.0, 1.0, 20.0, 1000.0, 100.0], [0, 1, 3]),  # 32 lies between 20 and 40
-        ([1.0, 2.0, 1000.0], [0, 1, 2]),
-        (2.0, [0]),
-    ):
-        assert Result(surface(64, longest=32.0), {"mean_pressure": load}, {}).few.tolist() == chosen
-
-
-def test_numbers_between_loads_are_linear_in_the_logarithm_of_the_load():
-    load, solved = np.array([100.0, 1.0, 10.0]), np.array([0, 1])
-    np.testing.assert_allclose(extend_to_loads(np.array([4.0, 2.0]), solved, load), [4.0, 2.0, 3.0])
-    load, gap = np.array([1.0, 1.1, 10.0, 100.0]), np.array([1.0, 1.2, 2.0, 4.0])
-    window, solve = surface(64, longest=32.0), lambda *_, **__: {GAP: np.array([3.0, 6.0, 12.0])}
-    result = Result(window, {"mean_pressure": load}, {GAP: gap}, solve)
-    np.testing.assert_allclose(result.again(window)[GAP], 3 * gap)  # three times as large at all loads

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.checking import check_choice, check_labelled
@@ -204,11 +203,6 @@ def _check(levelled_map: xr.DataArray, window: xr.DataArray, sources: Sequence[U
 
 
 def _columns_of_members(result: Result, scatter: Scatter) -> dict[str, tuple]:
-    """Return `{quantity}_parts` (member, load), NaN but at the loads that are solved."""
-    columns: dict[str, tuple] = {}
-    members = {**scatter.members, PRESSURE: result.load[result.few] / scatter.members[AREA]}
-    for name, numbers in members.items():
-        at_loads = np.full((len(numbers), result.load.size), np.nan)
-        at_loads[:, result.few] = numbers
-        columns[f"{name}_parts"] = ("member", "load"), at_loads
-    return columns
+    """Return `{quantity}_parts` (member, load)."""
+    members = {**scatter.members, PRESSURE: result.load / scatter.members[AREA]}
+    return {f"{name}_parts": (("member", "load"), numbers) for name, numbers in members.items()}

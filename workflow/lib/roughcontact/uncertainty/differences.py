@@ -24,7 +24,7 @@ from roughcontact.uncertainty.combination import SIGNS, SOURCES
 from roughcontact.uncertainty.groups import check_alike, scaled_components
 from roughcontact.uncertainty.improvement import ADVICE
 from roughcontact.uncertainty.members import SHARED
-from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, extend_to_loads, headline_names, to_scale
+from roughcontact.uncertainty.scales import CONSTRICTIONS, GAP, headline_names, to_scale
 
 RELEVANT = 0.1  # relative difference that matters, unless another one is stated
 DIFFER = "differ"
@@ -232,7 +232,7 @@ def _compare_two_maps(
         numbers = [_of_map(name, data, loads, of_place=of_place) for data in maps]
         values, widths, deviations = zip(*numbers, strict=True)
         correlations = np.tile(_source_correlations(*maps), (at_loads.size, 1))
-        correlations[:, SOURCES.index("window")] = _correlations(deviations, at_loads)
+        correlations[:, SOURCES.index("window")] = _correlations(deviations)
         if any(f"{name}_components" not in data for data in maps):
             correlations = 0 * correlations  # nothing is known of what they share
         rows[name] = _row(widths, correlations, values[1] - values[0])
@@ -408,16 +408,14 @@ def _source_correlations(one_group: xr.Dataset, another: xr.Dataset) -> np.ndarr
     return np.array([0.0 if source in independent else 1.0 for source in SOURCES])
 
 
-def _correlations(deviations: Sequence[np.ndarray], load: np.ndarray) -> np.ndarray:
+def _correlations(deviations: Sequence[np.ndarray]) -> np.ndarray:
     """Return the correlations (load) of the deviations (load, member) of the subwindows of two results."""
-    (a, b), of_window = deviations, np.zeros(load.size)
-    if a.shape == b.shape:  # else the subwindows are not the same
-        with np.errstate(invalid="ignore", divide="ignore"):
-            of_solved = np.sum(a * b, axis=1) / np.sqrt(np.sum(a**2, axis=1) * np.sum(b**2, axis=1))
-        if (indices := np.flatnonzero(np.isfinite(of_solved))).size:
-            # interpolated between the loads at which the subwindows were solved
-            of_window = extend_to_loads(of_solved[indices], indices, load)
-    return np.clip(of_window, -1.0, 1.0)
+    a, b = deviations
+    if a.shape != b.shape:  # the subwindows are not the same
+        return np.zeros(len(a))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        correlations = np.sum(a * b, axis=1) / np.sqrt(np.sum(a**2, axis=1) * np.sum(b**2, axis=1))
+    return np.clip(np.nan_to_num(correlations), -1.0, 1.0)
 
 
 def _unshared_half_widths(pair: Sequence[np.ndarray], correlation: np.ndarray) -> list[np.ndarray]:

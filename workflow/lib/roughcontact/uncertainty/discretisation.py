@@ -59,10 +59,10 @@ def discretisation_error(
 
     Both are on its scale; those not in `CORRECTED` have the change in their half-width. `pixel_share` (load)
     is the share of pixels in contact; `refine` returns a part of the window, and the same on pixels half as
-    large. Neither the part nor the correction at a load depends on what other loads there are.
+    large.
     """
     region, finer = refine(result.window)
-    changes = result.changes_of_part(result.solve_at_loads(region), result.solve_at_loads(finer))
+    changes = result.changes_of_part(result.again(region), result.again(finer))
     corrections, components = {}, {}
     for name, value in result.values.items():
         unit = result.values[GAP] if name in CONSTRICTIONS else np.ones_like(value)

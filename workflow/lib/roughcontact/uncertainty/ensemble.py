@@ -1,4 +1,4 @@
-"""Ensemble members: solutions to a wider tolerance, at few loads, of which only some quantities are kept."""
+"""Ensemble members: solutions to a wider tolerance, of which only some quantities are kept."""
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
@@ -16,10 +16,9 @@ from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.surface.levelling.rejected import rejected_points, restore_rejected
 from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget_inputs import headline_values
-from roughcontact.uncertainty.scales import ANSWERS, CONSTRICTIONS, extend_to_loads, from_scale, to_scale
+from roughcontact.uncertainty.scales import CONSTRICTIONS, from_scale, to_scale
 
 Values = Mapping[str, np.ndarray]  # quantity -> array (load)
-LOADS = 3  # at which a member is solved: both ends and the middle
 MARGIN = 0.25  # of a change that is computed, by which its truth may be larger
 TOLERANCE = 1e-3  # of the pressure of members, whose change or scatter counts; in single precision
 
@@ -34,20 +33,15 @@ def solve_member(
     contact: Mapping[str, Any],
     *,
     names: Collection[str],
-    loads: np.ndarray | None = None,
-    answers_at: Collection[int] | None = None,
     tolerance: float = TOLERANCE,
 ) -> dict[str, np.ndarray]:
-    """Return quantities of a window, each an array of the loads of the indices `loads`, by default all.
-
-    Conductance and narrowest places, which take longer than the solution, are computed at those `answers_at`
-    of these loads, by default all, and are NaN at others.
+    """Return quantities of a window, each an array (load).
 
     The tolerance of the pressure is that of `contact` where this is wider; a load that misses it is NaN. A
     window whose heights are rounding errors only, after levelling, is solved as flat. `contact` may have a
     form on which the window is put (`on_form`), and the `area` (m2) of which areas are shares.
     """
-    pressures = loads_of(contact) if loads is None else loads_of(contact)[loads]
+    pressures = loads_of(contact)
     tolerance = max(tolerance, contact.get("tolerance", 0.0))
     contact, steps = {**contact, "mean_pressure": pressures}, spacing(window)
     if on_form := contact.get("on_form"):
@@ -58,11 +52,9 @@ def solve_member(
     solutions = solved_fields(window, contact, tolerance=tolerance, precision=SINGLE if single else DOUBLE)
     material, border = elasticity(**contact), facts_of(contact).border
     values = {name: np.full(pressures.shape, np.nan) for name in names}
-    without_answers = [name for name in names if name not in ANSWERS]
     for load, pressure, gap, approach in solutions:
-        names_here = names if answers_at is None or load in answers_at else without_answers
         numbers = headline_values(
-            pressure, gap, names_here, material, steps=steps, border=border, approach=highest - approach
+            pressure, gap, names, material, steps=steps, border=border, approach=highest - approach
         )
         for name, value in numbers.items():
             values[name][load] = value * (unit if name == AREA else 1.0)
@@ -95,54 +87,21 @@ class Result(NamedTuple):
         return loads_of(self.contact)
 
     @property
-    def few(self) -> np.ndarray:
-        """The indices of the loads at which changes are solved, nearest to even steps of ln p."""
-        if self.load.size <= LOADS:
-            return np.arange(self.load.size)
-        logarithms = np.log(self.load)
-        even = np.linspace(logarithms.min(), logarithms.max(), LOADS)
-        return np.unique(np.abs(logarithms[:, None] - even).argmin(axis=0))
-
-    @property
     def hardness(self) -> float:
         """The largest pressure (Pa) that a point bears."""
         return self.contact.get("hardness") or math.inf
 
-    def at_few(self, numbers: np.ndarray) -> np.ndarray:
-        """Return numbers at the few loads from those at all loads; those at the few ones as they are."""
-        return numbers if len(numbers) == self.few.size else numbers[self.few]
+    def again(self, window: xr.DataArray) -> dict[str, np.ndarray]:
+        """Return the results of another window (load)."""
+        return self.solve(window, self.contact, names=self.values)
 
-    def extend_to_loads(self, numbers: np.ndarray) -> np.ndarray:
-        """Return numbers (load) from those at the few loads; those at all loads as they are."""
-        is_of_all = len(numbers) == self.load.size
-        return numbers if is_of_all else extend_to_loads(numbers, self.few, self.load)
-
-    def solve_at_loads(self, window: xr.DataArray) -> dict[str, np.ndarray]:
-        """Return the results of another window at all loads, conductance and narrowest places at the few."""
-        values = self.solve(window, self.contact, names=self.values, answers_at=self.few)
-        return {name: self.at_few(value) if name in ANSWERS else value for name, value in values.items()}
-
-    def solve_at_samples(self, window: xr.DataArray) -> dict[str, np.ndarray]:
-        """Return the results of another window at the few loads."""
-        return self.solve(window, self.contact, names=self.values, loads=self.few)
-
-    def again(self, window: xr.DataArray, of_part: Values | None = None) -> dict[str, np.ndarray]:
-        """Return the results of a changed window (load), their change interpolated on its scale.
-
-        It may be a changed part of the window, which before its change has the results `of_part` (few loads).
-        """
-        values = self.solve_at_samples(window)
-        if of_part is None and self.few.size == self.load.size:
-            return values
-        scaled = {name: to_scale(name, value) for name, value in self.values.items()}
-        if of_part is None:
-            changes = {
-                name: self.extend_to_loads(to_scale(name, values[name]) - middle[self.few])
-                for name, middle in scaled.items()
-            }
-        else:
-            changes = self.changes_of_part(of_part, values)
-        return {name: from_scale(name, middle + changes[name]) for name, middle in scaled.items()}
+    def again_by_part(self, part: xr.DataArray, before: Values) -> dict[str, np.ndarray]:
+        """Return the results of a changed window (load) by those of a part of it, and of that `before`."""
+        changes = self.changes_of_part(before, self.again(part))
+        return {
+            name: from_scale(name, to_scale(name, value) + changes[name])
+            for name, value in self.values.items()
+        }
 
     def changes(self, results: Values) -> dict[str, np.ndarray]:
         """Return other results less these, on the scales: -inf for a gap that closes, 0 where unknown."""
@@ -155,20 +114,20 @@ class Result(NamedTuple):
         return changes
 
     def changes_of_part(self, base: Values, variant: Values) -> dict[str, np.ndarray]:
-        """Return the changes (load) on the scales by those of a part of the window (few loads, or all)."""
+        """Return the changes (load) on the scales by those of a part of the window."""
         changes = {}
         for name in base:
             change = to_scale(name, variant[name]) - to_scale(name, base[name])
             if name in CONSTRICTIONS:  # a length, as the gap beside it
                 with np.errstate(divide="ignore", invalid="ignore"):
-                    change = change * self.values[GAP][self.few] / self.at_few(base[GAP])
+                    change = change * self.values[GAP] / base[GAP]
             # full contact: nothing is open, nothing changes
-            changes[name] = self.extend_to_loads(np.where(np.isfinite(change), change, 0.0))
+            changes[name] = np.where(np.isfinite(change), change, 0.0)
         return changes
 
     def members(self, windows: Iterable[xr.DataArray]) -> dict[str, np.ndarray]:
-        """Return the results of other windows (member, few loads), each load in one piece of memory."""
-        results = [self.solve_at_samples(window) for window in windows]
+        """Return the results of other windows (member, load), each load in one piece of memory."""
+        results = [self.again(window) for window in windows]
         return {name: np.array([member[name] for member in results], order="F") for name in self.values}
 
 

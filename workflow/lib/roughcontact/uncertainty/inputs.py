@@ -1,8 +1,7 @@
 """Uncertainty and sensitivity of the results to load, contact modulus, hardness and the scales of the map.
 
 The contact is solved with a stated input at both ends of its range (JCGM 100:2008, 5.1.3, note 2): the
-changes are half-widths, the slope between them the sensitivity d ln Q/d ln(input). The hardness, which
-reaches further, is solved at the few loads of a member of an ensemble.
+changes are half-widths, the slope between them the sensitivity d ln Q/d ln(input).
 """
 
 import math

@@ -70,7 +70,7 @@ def interval_columns(
     widest = np.zeros(result.load.size)  # gap of a member
     if scatter:
         windows = window_components(scatter, middle, as_solved[GAP], rms_height=float(result.window.std()))
-        widest[result.few] = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
+        widest = np.fmax.reduce(scatter.members[GAP], axis=0, initial=0.0)
     components = {source: add_pressure(causes, centres[AREA]) for source, causes in components.items()}
     windows = {key: add_pressure(component, centres[AREA]) for key, component in windows.items()}
     # measurand -> what adds up; without the source `window` nothing is known of other places

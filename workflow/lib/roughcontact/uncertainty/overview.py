@@ -197,12 +197,12 @@ def transfers_of(
             np.std(values, axis=0, ddof=1) for values in (np.array(elsewhere) - octave[name][1:], elsewhere)
         )
         numbers = np.mean(elsewhere, axis=0) - of_map, joint - of_map, *scatter
-        transfers[name] = Transfer(*map(result.extend_to_loads, numbers))
+        transfers[name] = Transfer(*numbers)
     return transfers
 
 
 def _results(result: Result, windows: list[xr.DataArray]) -> dict[str, np.ndarray]:
-    """Return the results (window, few loads) on their scales at loads by the gradient of the first window.
+    """Return the results (window, load) on their scales at loads by the gradient of the first window.
 
     With them is the gradient of the windows.
     """
@@ -213,7 +213,7 @@ def _results(result: Result, windows: list[xr.DataArray]) -> dict[str, np.ndarra
     names = [name for name in result.values if name not in (*CONSTRICTIONS, PEAK)]
     scaled = Result(windows[0], contact, {name: result.values[name] for name in names})
     results = {name: to_scale(name, values) for name, values in scaled.members(windows).items()}
-    return results | {GRADIENT: np.log([[rms_gradient(window)] * result.few.size for window in windows])}
+    return results | {GRADIENT: np.log([[rms_gradient(window)] * result.load.size for window in windows])}
 
 
 def with_views(scatter: Scatter, result: Result, views: Sequence[View]) -> Scatter:

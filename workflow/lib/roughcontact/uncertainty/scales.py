@@ -53,12 +53,6 @@ def from_scale(name: str, values: np.ndarray) -> np.ndarray:
     return np.where(result >= full, 1.0, scipy.special.erf(result))
 
 
-def extend_to_loads(values: np.ndarray, indices: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """Return numbers at all loads from those at the indices `indices`, linear in ln p; NaN beside a NaN."""
-    rank = np.argsort(load[indices])
-    return np.interp(np.log(load), np.log(load[indices][rank]), np.asarray(values, float)[rank])
-
-
 def headline_names(dataset: Container[Any]) -> tuple[str, ...]:
     """Return the names of the headline quantities and the answers that a dataset contains."""
     return tuple(name for name in ALL if name in dataset)

@@ -40,7 +40,7 @@ Slices = dict[str, slice]  # rows ("y") and columns ("x") of a map
 class Scatter(NamedTuple):
     """What the subwindows of a map, or other members, show of each quantity."""
 
-    members: dict[str, np.ndarray]  # results (member, few loads), NaN where one missed its tolerance
+    members: dict[str, np.ndarray]  # results (member, load), NaN where one missed its tolerance
     features: Mapping[str, Features] = MappingProxyType({})  # (load) of calibrated arms
     slices: Sequence[Slices] = ()  # rows and columns of each subwindow in the map
     # of surfaces behind profiles and of overviews: how far the truth of each measurand lies below and above,
@@ -65,22 +65,20 @@ def scatter_of_subwindows(
         raise SettingsError(f"windows = {number!r}: give a whole number of 4 or more")
     region = measured_slices(levelled_map, result.window)
     slices = divided(region, spacing(levelled_map), int(number), arguments.get("shortest_wavelength") or 0.0)
-    order, few_loads = form_order(levelled_map), result.few
+    order = form_order(levelled_map)
     if len(slices) < 2:
-        nan_values = np.full((len(slices), few_loads.size), np.nan)
+        nan_values = np.full((len(slices), result.load.size), np.nan)
         return Scatter(dict.fromkeys(result.values, nan_values), slices=slices)
     subwindows = (subwindow(relevelled(levelled_map.isel(area), order), **arguments) for area in slices)
     members = result.members(subwindows)
-    deviations = {
-        name: _deviations(name, members[name], result.values[name][few_loads]) for name in (AREA, PEAK)
-    }
+    deviations = {name: _deviations(name, members[name], result.values[name]) for name in (AREA, PEAK)}
     spread = np.hypot(np.std(deviations[AREA], axis=0, ddof=1), _MIN_SCATTER)
     common: Features = {
         "gradient": gradient_scatter(levelled_map.isel(region)),
-        "scatter": result.extend_to_loads(np.log(spread)),
+        "scatter": np.log(spread),
     }
     features = dict.fromkeys(result.values, common)
-    features[PEAK] = {**common, "trend": result.extend_to_loads(deviations[PEAK].mean(axis=0))}
+    features[PEAK] = {**common, "trend": deviations[PEAK].mean(axis=0)}
     return Scatter(members, features, slices)
 
 

@@ -108,13 +108,13 @@ def magnification_curve(result: Result) -> Columns:
         is_large = math.prod(_points_without(window, cutoff)) > _LARGEST_GRID
         if is_large and of_part is None:
             part = highest_part(window, LARGEST_PART)
-            of_part, share = result.solve_at_samples(part), gradients[0] / rms_gradient(part)
+            of_part, share = result.again(part), gradients[0] / rms_gradient(part)
         elif not is_large:
             part, of_part, share = window, None, 1.0
         smoother = remove_shortest_waves(part, cutoff)
         q, _ = _long_waves(part, smoother.shape)
         lengths.append(max(2 * np.pi / q[_passes(q, cutoff)].max(), lengths[0]))
-        levels.append(result.again(smoother, of_part))
+        levels.append(result.again_by_part(smoother, of_part) if of_part else result.again(smoother))
         gradients.append(share * rms_gradient(smoother))
         cutoff *= 2
     numbers = {name: np.stack([results[name] for results in levels], axis=1) for name in result.values}

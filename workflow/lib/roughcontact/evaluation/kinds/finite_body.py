@@ -86,15 +86,13 @@ def scatter_of_positions(
     shifts: Sequence[tuple[int, int]], result: Result, roughness: xr.DataArray, **_: Any
 ) -> Scatter:
     """Return the scatter of the results of a body over other positions of its form on the roughness."""
-    chosen = result.few
     rolled = (np.roll(roughness.values, shift, (0, 1)) for shift in shifts)
     members = result.members(roughness.copy(data=heights) for heights in rolled)
     arms = {}
     for name, value in result.values.items():
-        changes = to_scale(name, np.vstack([value[chosen], members[name]])) - to_scale(name, value[chosen])
+        changes = to_scale(name, np.vstack([value, members[name]])) - to_scale(name, value)
         mean, width = np.nanmean(changes, axis=0), width_of_next(changes)
-        below, above = (result.extend_to_loads(np.maximum(width + sign * mean, 0.0)) for sign in (-1, 1))
-        arms[name] = below, above
+        arms[name] = np.maximum(width - mean, 0.0), np.maximum(width + mean, 0.0)
     reason = (
         f"The ± is for this body at another position on the roughness: {len(shifts)} further positions on "
         "the map were solved; it holds no waves longer than the map."

@@ -53,14 +53,13 @@ def scatter_of_surfaces(
 
     `arguments` are those of `periodic_window` that led to the window, `number` is that of the members.
     """
-    few_loads, values, fit = result.few, result.values, fit_profiles(profiles)
+    values, fit = result.values, fit_profiles(profiles)
     draws = [surface.assign_attrs(profiles.attrs) for surface in member_surfaces(fit, result.window, number)]
     ensemble = result.members(in_band(surface, **arguments) for surface in draws)
     contrast = ridge_contrast(fit.pieces, draws, arguments)
     arms, shift = {}, {}
     for name, value in values.items():
-        of_members = moments(name, ensemble[name], value[few_loads], values[GAP][few_loads])
-        mean, deviation = (result.extend_to_loads(moment) for moment in of_members)
+        mean, deviation = moments(name, ensemble[name], value, values[GAP])
         calibration = table()["profiles"][entry(name)] | {"contrast": contrast[name]}
         spread, quantile, share, of_ridges = look_up(calibration, values[AREA], _CALIBRATED)
         mean, width = mean + share * of_ridges, quantile * np.hypot(deviation, spread)
