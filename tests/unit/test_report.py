@@ -163,6 +163,22 @@ def test_page_is_self_contained_and_complete(page):
     assert text.count("kept no maps of pressure and gap") == 1
 
 
+def test_surfaces_with_the_same_loads_are_compared_at_one_of_them(tmp_path):
+    loads = [1e6, 3e6, 1e7, 3e7, 1e8, 3e8]
+    runs = [
+        run_surface(tmp_path, name, rough() * factor, loads=loads) for name, factor in (("a", 1), ("b", 8))
+    ]
+    shown = [read_summary(Path(entry["statistics"]).with_name("panel.html"))["loads"][-1] for entry in runs]
+    assert shown == [3, 4]  # that of each nearest to 30 % contact
+    stated = {"contact": {"contact_modulus": 2e9, "mean_pressure": loads}}
+    page = assemble(tmp_path, runs, settings=stated).read_text(encoding="utf-8")
+    a, b = (read_dataset(entry["statistics"])["relative_contact_area"].values for entry in runs)
+    k = int(abs(np.log((a + b) / 2 / 0.3)).argmin())
+    assert a[k] > b[k]
+    words = f"contact area from {100 * b[k]:.3g} % (b) to {100 * a[k]:.3g} % (a)."
+    assert f'class="answer">At {loads[k] / 1e6:.1f} MPa: {words}' in page
+
+
 @pytest.mark.parametrize("failures", [[], [{"surface": "bad", "case": None, "reason": "bad.txt: =empty"}]])
 def test_the_table_inside_the_page_is_that_beside_it(page, tmp_path, failures):
     finished = [result_entry(name, page.parent / "all" / name / "statistics.nc") for name in SURFACES]

@@ -215,7 +215,9 @@ def test_several_surfaces_are_answered_in_one_line():
     assert surfaces_in_words(at(0, areas)) == "At 1.00 MPa: contact area 1.00 % of all 2."
     assert surfaces_in_words(at(1, seals)) == "At 2.00 MPa: seals for all 2."
     heavier = seals["b"].assign_coords(mean_pressure=("load", [1e6, 3e6]))
-    assert surfaces_in_words(at(1, seals | {"b": heavier})) == "At the last load of each: seals for all 2."
+    assert surfaces_in_words(at(1, seals | {"b": heavier})) == (
+        "At 2.00 MPa to 3.00 MPa, each at its own load: seals for all 2."
+    )
     wide = {f"critical_constriction_{axis}_upper": ("load", [1e-6, 1e-6]) for axis in "xy"}
     wide |= {f"critical_constriction_{axis}_lower": ("load", [0.0, 0.0]) for axis in "xy"}
     unsure = seals | {"b": seals["b"].assign(wide)}

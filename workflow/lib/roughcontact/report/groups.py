@@ -308,8 +308,9 @@ def surfaces_in_words(results: Mapping[str, Load]) -> str:
     >>> surfaces_in_words({name: results["a"] for name in ("a", "d")})
     'At 1.00 MPa: contact area 30.0 % of all 2.'
     """
-    texts = {stated_loads(data).texts[index] for data, index in results.values()}
-    head = f"At {texts.pop()}" if len(texts) == 1 else "At the last load of each"
+    rising = sorted(results.values(), key=lambda at_load: float(at_load[0]["mean_pressure"][at_load[1]]))
+    texts = [stated_loads(data).texts[index] for data, index in rising]
+    head = f"At {texts[0]}" if len({*texts}) == 1 else f"At {texts[0]} to {texts[-1]}, each at its own load"
     if sentences := holding_in_words(results):
         return f"{head} {'; '.join(sentences)}."
     all_data = [data for data, _ in results.values()]

@@ -107,8 +107,10 @@ def write_report(
     maps = {name_under(*key): data for key, data in series.items()}
     answers = maps | {group.label: group.answer for group in groups}
     compared = group_section.shown_comparisons(compared or {}, answers)
-    several = group_section.answer_of_several(groups, compared, series, last)
     equal_loads = same_loads(settings)
+    if not many and equal_loads and len({*last.values()}) > 1:  # surfaces are compared at one load
+        last = dict(zip(series, glance.loads_to_compare(results, glance.AREAS[-1]), strict=True))
+    several = group_section.answer_of_several(groups, compared, series, last)
     cases = {name: case_table(by_case, equal_loads=equal_loads) for name, by_case in by_surface.items()}
     head = {
         "title": title,
