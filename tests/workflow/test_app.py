@@ -34,9 +34,9 @@ from packaging.requirements import Requirement
 from data_samples.make_samples import matrix_bytes, profile_bytes, sdf_bytes, x3p_bytes
 from roughcontact import SettingsError, self_affine_surface
 from roughcontact.arguments.rectangles import parse_rectangles
-from roughcontact.arguments.settings.fields import field_at, is_list, section_model, value_at
+from roughcontact.arguments.settings.fields import field_at, is_list, section_model
 from roughcontact.arguments.settings.models import Body, Settings
-from roughcontact.arguments.settings.plausible import setting_base
+from roughcontact.arguments.settings.plausible import setting_base, value_at
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.units import printed
 from roughcontact.interface.app import commands, measurements, server

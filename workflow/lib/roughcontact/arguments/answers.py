@@ -6,10 +6,11 @@ words, heading and unit, its scale, limits and trend. The rows are in the order 
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+
+from roughcontact.arguments.rows import rows_beside
 
 AREA, GAP, PEAK, PRESSURE = "relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure"
 CONDUCTANCE, FRICTION = "conductance_per_conductivity", "hysteretic_friction_coefficient"
@@ -29,11 +30,7 @@ class Column(NamedTuple):
     unit: str  # "%" for a share, "m" for heights and gaps, "m along" for other lengths
 
 
-COLUMNS = [
-    Column(*line.split("\t"))
-    for line in Path(__file__).with_name("tables.tsv").read_text(encoding="utf-8").splitlines()
-    if not line.startswith("#")
-]
+COLUMNS = [Column(*row) for row in rows_beside(__file__, "tables.tsv")]
 TITLES = {column.name: column.heading for column in COLUMNS}
 UNITS = {column.name: column.unit for column in COLUMNS}
 TABLES = {column.name: column.table for column in COLUMNS}

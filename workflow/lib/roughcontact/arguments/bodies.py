@@ -57,13 +57,11 @@ def check_bodies(bodies: Sequence[str | Mapping[str, Any]], *, where: str = "bod
 def _checked(body: Mapping[str, Any], where: str) -> dict[str, Any]:
     """Return one body whose numbers are checked."""
     base, layers = body.get("base"), layers_in(body)
-    if isinstance(layers, Mapping):
-        raise SettingsError(
-            f"{where}.layers: must be a list of layers, from the surface inwards", keys=[f"{where}.layers"]
-        )
     elastic_names = [name for name in _MATERIAL if body.get(name) is not None]
-    mistake = ""
-    if base not in (None, "rigid"):
+    key, mistake = f"{where}.base", ""
+    if isinstance(layers, Mapping):
+        key, mistake = f"{where}.layers", ": must be a list of layers, from the surface inwards"
+    elif base not in (None, "rigid"):
         mistake = (
             f" = {base!r}: must be 'rigid'; an elastic base is the body itself, with youngs_modulus and "
             "poissons_ratio, and what lies above it is in layers"
@@ -76,27 +74,32 @@ def _checked(body: Mapping[str, Any], where: str) -> dict[str, Any]:
             "of a layer belong to it, in layers"
         )
     if mistake:
-        raise SettingsError(f"{where}.base{mistake}", keys=[f"{where}.base"])
-    complete_body = dict(body) if base == "rigid" else {**body, **_material(body, where)}
+        raise SettingsError(f"{key}{mistake}", keys=[key])
+    complete_body = {**body, **({} if base == "rigid" else _material(body, where))}
     complete_body["layers"] = []
     for number, layer in enumerate(layers):
-        layer_key = f"{where}.layers[{number}]"
-        if layer.get("thickness") is None:
-            raise SettingsError(f"{layer_key}.thickness: missing (m)", keys=[f"{layer_key}.thickness"])
-        thickness = check_positive(f"{layer_key}.thickness", layer["thickness"], unit="m")
-        complete_body["layers"].append({**layer, "thickness": thickness, **_material(layer, layer_key)})
+        place = f"{where}.layers[{number}]"
+        thickness = check_positive(f"{place}.thickness", _stated(layer, "thickness", place, " (m)"), unit="m")
+        complete_body["layers"].append({**layer, "thickness": thickness, **_material(layer, place)})
     return complete_body
 
 
 def _material(values: Mapping[str, Any], where: str) -> dict[str, float]:
     """Return the elastic constants of a body or a layer."""
-    for name in _MATERIAL:
-        if values.get(name) is None:
-            remedy = "" if "layers[" in where else "; a rigid base of layers has base: rigid instead"
-            raise SettingsError(f"{where}.{name}: missing{remedy}", keys=[f"{where}.{name}"])
-    modulus = check_positive(f"{where}.youngs_modulus", values["youngs_modulus"], unit="Pa")
-    ratio = check_poissons_ratio(f"{where}.poissons_ratio", values["poissons_ratio"])
-    return {"youngs_modulus": modulus, "poissons_ratio": ratio}
+    remedy = "" if "layers[" in where else "; a rigid base of layers has base: rigid instead"
+    modulus, ratio = (_stated(values, name, where, remedy) for name in _MATERIAL)
+    modulus = check_positive(f"{where}.youngs_modulus", modulus, unit="Pa")
+    return {
+        "youngs_modulus": modulus,
+        "poissons_ratio": check_poissons_ratio(f"{where}.poissons_ratio", ratio),
+    }
+
+
+def _stated(values: Mapping[str, Any], name: str, where: str, remedy: str) -> Any:
+    """Return a value of a body or a layer, or raise a SettingsError with the remedy where it is missing."""
+    if values.get(name) is None:
+        raise SettingsError(f"{where}.{name}: missing{remedy}", keys=[f"{where}.{name}"])
+    return values[name]
 
 
 def check_poissons_ratio(name: str, value: Any) -> float:

@@ -3,9 +3,9 @@
 import difflib
 import math
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from inspect import signature
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any, cast, get_args
 
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
@@ -18,6 +18,7 @@ if TYPE_CHECKING:  # a run with nothing to do imports this module, but no large 
 # finite
 SMALLEST, LARGEST = 1e-100, 1e100
 MAX_GRADIENT = 3.0  # rms gradient (72°) above all that are measured: a unit is wrong
+_LABEL = "label it by roughcontact.height_map(values, spacing)"
 MIN_MAP_POINTS = 16  # of a map whose contact may mean something
 
 
@@ -34,72 +35,57 @@ def check_labelled(height: object) -> "xr.DataArray":
     ...
     roughcontact.errors.HeightMapError: the map is of type ndarray, its pixel size is unknown; label it by ...
     """
+    if problem := next(_problems(height), ""):
+        raise HeightMapError(problem)
+    return cast("xr.DataArray", height)
+
+
+def _problems(height: Any) -> Iterator[str]:
+    """Yield what a height map lacks; only the first counts, since the next ones take it for granted."""
     import xarray as xr
 
     if not isinstance(height, xr.DataArray):
-        raise HeightMapError(
-            f"the map is of type {type(height).__name__}, its pixel size is unknown; label it by "
-            "roughcontact.height_map(values, spacing)"
-        )
+        yield f"the map is of type {type(height).__name__}, its pixel size is unknown; {_LABEL}"
     name = height.attrs.get("source_file") or "the map"
     if hasattr(height.data, "magnitude"):
-        raise HeightMapError(
-            f"{name} holds quantities of pint: give height.pint.dequantify(), with its units"
-        )
+        yield f"{name} holds quantities of pint: give height.pint.dequantify(), with its units"
     dtype_kind = getattr(height.dtype, "kind", None)  # of NumPy's types
     # dtypes of other libraries have no kind
     if dtype_kind not in ("f", "i", "u") and (
         dtype_kind or str(height.dtype).startswith(("bool", "complex"))
     ):
-        raise HeightMapError(f"{name} holds values of type {height.dtype}: heights are real numbers")
+        yield f"{name} holds values of type {height.dtype}: heights are real numbers"
     if height.dims != ("y", "x"):
-        raise HeightMapError(f"{name} has the dimensions {height.dims}: {_suggest_way(height)}")
+        yield f"{name} has the dimensions {height.dims}: {_suggest_way(height)}"
     if height.size < 2:
-        raise HeightMapError(
-            f"{name} has {'a single point' if height.size else 'no points'}: at least two are needed; check "
-            "how the file was cut or read"
-        )
+        points = "a single point" if height.size else "no points"
+        yield f"{name} has {points}: at least two are needed; check how the file was cut or read"
     for axis in height.dims:
+        coordinate = f"coordinate {axis!r} of {name}"
         if axis not in height.coords:
-            raise HeightMapError(
-                f"{name} has no coordinate {axis!r}: its pixel size is unknown; label it by "
-                "roughcontact.height_map(values, spacing)"
-            )
-        if (positions := height.coords.variables[axis].dtype).kind not in "fiu":
-            raise HeightMapError(
-                f"coordinate {axis!r} of {name} holds values of type {positions}: positions are "
-                "real numbers, in metres"
-            )
-        _check_positions(height.get_index(axis).values, f"coordinate {axis!r} of {name}")
-    return height
+            yield f"{name} has no coordinate {axis!r}: its pixel size is unknown; {_LABEL}"
+        if (dtype := height.coords.variables[axis].dtype).kind not in "fiu":
+            yield f"{coordinate} holds values of type {dtype}: positions are real numbers, in metres"
+        positions = height.get_index(axis).values
+        steps = positions[1:] - positions[:-1]
+        # without `numpy.diff`: this module is imported before NumPy is needed
+        if steps.size and not (steps > 0).all():
+            yield f"{coordinate} does not increase strictly; sort the map, height.sortby(['y', 'x'])"
+        # coordinates are sums of rounded steps: allow for their rounding, not for uneven sampling
+        if steps.size and steps.max() - steps.min() > 1e-3 * steps.mean():
+            uneven = f"(steps {steps.min():g} to {steps.max():g})"
+            yield f"{coordinate} is not evenly spaced {uneven}; resample the map first"
 
 
 def _suggest_way(height: "xr.DataArray") -> str:
     """Return what makes a map (y, x) of an array of other dimensions."""
     if height.ndim < 2:
-        return "label the values by roughcontact.height_map(values, spacing)"
-    if missing := {
-        old: new for old, new in zip(height.dims[-2:], "yx", strict=True) if old not in ("y", "x")
-    }:
-        return f"rename them, height.rename({missing})"  # the last two are rows and columns
+        return _LABEL.replace("it", "the values", 1)
+    rows_and_columns = zip(height.dims[-2:], "yx", strict=True)  # the last two
+    if missing := {old: new for old, new in rows_and_columns if old not in ("y", "x")}:
+        return f"rename them, height.rename({missing})"
     further = ", ".join(f"{dim}=0" for dim in height.dims if dim not in ("y", "x"))
     return f"select one map, height.isel({further})" if further else "transpose it to ('y', 'x')"
-
-
-def _check_positions(positions: "np.ndarray", coordinate: str) -> None:
-    """Raise HeightMapError where the positions along an axis do not increase in even steps."""
-    steps = positions[1:] - positions[:-1]
-    # without `numpy.diff`: this module is imported before NumPy is needed
-    if steps.size and not (steps > 0).all():
-        raise HeightMapError(
-            f"{coordinate} does not increase strictly; sort the map, height.sortby(['y', 'x'])"
-        )
-    # coordinates are sums of rounded steps: allow for their rounding, not for uneven sampling
-    if steps.size and steps.max() - steps.min() > 1e-3 * steps.mean():
-        raise HeightMapError(
-            f"{coordinate} is not evenly spaced (steps {steps.min():g} to {steps.max():g}); "
-            "resample the map first"
-        )
 
 
 def check_solution(contact: object, *, of_loads: bool = True) -> None:
@@ -221,17 +207,16 @@ def check_positive(name: str, value: Any, *, unit: str) -> float:
         # a truth value of NumPy is told by its type's name: NumPy is not imported for settings
         truth = isinstance(value, bool) or str(getattr(value, "dtype", "")) == "bool"
         number = float("true or false" if truth else value)
-    except (TypeError, ValueError):
-        raise SettingsError(
-            f"{name} = {value!r} is not a number; give a positive number in {unit}", keys=[name]
-        ) from None
-    if not (math.isfinite(number) and number > 0):
-        raise SettingsError(f"{name} = {number:g} must be a positive finite number in {unit}", keys=[name])
-    if not SMALLEST <= number <= LARGEST:
-        raise SettingsError(
-            f"{name} = {number:g} is beyond the computable range; check the number and its unit ({unit})",
-            keys=[name],
+        problem = (
+            "" if math.isfinite(number) and number > 0 else f"must be a positive finite number in {unit}"
         )
+        if not problem and not SMALLEST <= number <= LARGEST:
+            problem = f"is beyond the computable range; check the number and its unit ({unit})"
+        text = f"{number:g}"
+    except (TypeError, ValueError):
+        text, problem = repr(value), f"is not a number; give a positive number in {unit}"
+    if problem:
+        raise SettingsError(f"{name} = {text} {problem}", keys=[name])
     return number
 
 

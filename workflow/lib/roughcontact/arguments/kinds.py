@@ -15,6 +15,8 @@ Sections = Mapping[str, Mapping[str, Any]]
 
 _PERIODIC = "is for periodic maps, and boundary = free; leave it out"
 _FILTERS = f"{_PERIODIC}; level.s_filter and level.l_filter remove waves"
+_HALF_SPACES = "its results are those of half-spaces, without layers; leave it out"
+_JOINT = "is of a joint with an area, and a body of finite size has that of its map; leave it out"
 _LOCAL_SCALE = (
     " = true: takes form.radius and contact.force of a periodic map; leave out form.edges, "
     "contact.boundary = free, contact.area, joint.area, seal.perimeter, targets and layers"
@@ -147,10 +149,10 @@ class KindFacts:
 
     def mistakes_in_loads(self, keys: Collection[str]) -> Iterator[tuple[str, str]]:
         """Yield the name and the mistake of loads among the `keys` of the section `contact`."""
-        if len({"force", "area"} & {*keys}) == 1:
-            missing, present = ("area", "force") if "force" in keys else ("force", "area")
-            text = f": missing, though {present} is given; mean pressure is force by area"
-            yield f"contact.{missing}", text
+        for missing, present in (("area", "force"), ("force", "area")):
+            if present in keys and missing not in keys:
+                text = f": missing, though {present} is given; mean pressure is force by area"
+                yield f"contact.{missing}", text
 
     def mistakes(
         self, settings: Sections, defaults: Sections, properties: Collection[str] = ()
@@ -158,8 +160,8 @@ class KindFacts:
         """Yield name and mistake of each setting that was changed although it does not apply."""
         usual = dict(_one_by_one(defaults))
         for name, value in _one_by_one(settings):
-            text = f"{name} = {value!r}"
-            if value != usual.get(name) and (reason := self.reason_against(text, properties)):
+            reason = self.reason_against(f"{name} = {value!r}", properties)
+            if reason and value != usual.get(name):
                 yield name, f" = {_as_stated(value)!r}: {reason}"
 
 
@@ -208,10 +210,10 @@ class LocalScaleFacts(KindFacts):
 
 PERIODIC_MAP = KindFacts(
     excluded_with={
-        "layers": dict.fromkeys(
-            ("statistics.friction.tangential_load", "statistics.friction.speed"),
-            "its results are those of half-spaces, without layers; leave it out",
-        ),
+        "layers": {
+            "statistics.friction.tangential_load": _HALF_SPACES,
+            "statistics.friction.speed": _HALF_SPACES,
+        },
         "faces": {
             "instrument.correct": "is a pair of faces, each with an instrument of its own; leave it out for "
             "pairs",
@@ -266,21 +268,14 @@ FINITE_BODY = FiniteBodyFacts(
         "contact.zero_frequency": "the approach of a finite body is absolute; leave it out",
         "statistics.joint.area": "resistances of a finite body are over the area of its map; divide by that, "
         "and leave the area out",
-        **dict.fromkeys(
-            [
-                f"statistics.joint.{key}"
-                for key in ("heat_flow", "allowed_resistance", "allowed_temperature_drop")
-            ],
-            "is of a joint with an area, and a body of finite size has that of its map; leave it out",
-        ),
+        "statistics.joint.heat_flow": _JOINT,
+        "statistics.joint.allowed_resistance": _JOINT,
+        "statistics.joint.allowed_temperature_drop": _JOINT,
         "contact.precision": "finite bodies are solved in double precision; leave it out",
-        "window": _PERIODIC,
-        "wear": _PERIODIC,
-        "sliding": _PERIODIC,
-        "window.shortest_wavelength": _FILTERS,
-        "window.longest_wavelength": _FILTERS,
+        **dict.fromkeys(["window.shortest_wavelength", "window.longest_wavelength"], _FILTERS),
         **dict.fromkeys(
             [
+                *("window", "wear", "sliding"),
                 *(f"contact.{key}" for key in ("area", "target_area", "target_gap", "target", "unload")),
                 *("statistics.seal", "statistics.work_of_adhesion", "statistics.requirement"),
                 *("statistics.friction.speed", "statistics.friction.tangential_load", "instrument.correct"),

@@ -81,13 +81,12 @@ def height_map(
     if np.ma.isMaskedArray(values):  # `numpy.asarray` drops the mask
         heights = np.where(np.ma.getmaskarray(values), np.nan, heights)
     # an empty text is no unit, as in a table
-    unit, height_unit = (None if stated == "" else stated for stated in (unit, height_unit))
-    units = {"unit": "m" if unit is None else unit}
-    units["height_unit"] = units["unit"] if height_unit is None else height_unit
-    factors = {name: unit_factor(stated, "m") for name, stated in units.items()}
-    for name in (name for name, factor in factors.items() if factor is None):
-        raise SettingsError(f"{name} = {units[name]!r}: {unknown_unit(units[name], 'm')}", keys=[name])
-    lateral, vertical = (factor or 1.0 for factor in factors.values())
+    units = {"unit": "m" if unit in (None, "") else unit}
+    units["height_unit"] = units["unit"] if height_unit in (None, "") else height_unit
+    for name, stated in units.items():
+        if unit_factor(stated, "m") is None:
+            raise SettingsError(f"{name} = {stated!r}: {unknown_unit(stated, 'm')}", keys=[name])
+    lateral, vertical = (unit_factor(stated, "m") or 1.0 for stated in units.values())
     steps = pitches(spacing)
     dy, dx = (
         step if carries_unit(stated_step) else step * lateral
@@ -109,7 +108,7 @@ def height_map(
     # cell centres: the border of the map is half a pixel before
     y = xr.Variable("y", (np.arange(ny) + 0.5) * dy, {"units": "m"})
     x = xr.Variable("x", (np.arange(nx) + 0.5) * dx, {"units": "m"})
-    if unit is None and not any(map(carries_unit, np.ravel(spacing))):
+    if unit in (None, "") and not any(map(carries_unit, np.ravel(spacing))):
         warn_of_metres((y.values, x.values), heights, stacklevel=3)
     return xr.DataArray(
         heights, dims=("y", "x"), coords={"y": y, "x": x}, name="height", attrs=record.attributes()

@@ -80,8 +80,7 @@ class Measurement:
         for name in (entry.name for entry in fields(cls)):
             key = _INGEST.get(name, name)
             if key in _STRUCTURED:
-                content, kind = json_attribute(attrs, key), _STRUCTURED[key]
-                content = content if isinstance(content, kind) else kind()  # of another program
+                content = json_attribute(attrs, key)
                 values[name] = tuple(content) if isinstance(content, list) else content
             elif key in attrs:
                 values[name] = attrs[key]
@@ -89,9 +88,8 @@ class Measurement:
 
     def attributes(self) -> dict[str, Any]:
         """Return the attributes of a map with this record."""
-        record: dict[str, Any] = {"units": "m"}
-        record |= {_INGEST.get(name, name): value for name, value in asdict(self).items()}
-        record |= {"y_axis": "up", "first_row_assumed": int(self.first_row_assumed)}
+        values = {_INGEST.get(name, name): value for name, value in asdict(self).items()}
+        record = {"units": "m", **values, "y_axis": "up", "first_row_assumed": int(self.first_row_assumed)}
         if not self.first_row:  # an array, which no reader has turned
             omitted = ("y_axis", "first_row", "first_row_assumed", *_INGEST.values())
             record = {key: value for key, value in record.items() if key not in omitted}
@@ -150,8 +148,8 @@ def json_attribute(attrs: Mapping[Any, Any], name: str) -> Any:
     >>> json_attribute({"outlier_kinds": '{"spike": 29}'}, "outlier_kinds"), json_attribute({}, "channels")
     ({'spike': 29}, [])
     """
-    content = json.loads(attrs.get(name) or "null")
-    return content if isinstance(content, dict | list) else _STRUCTURED[name]()
+    content, kind = json.loads(attrs.get(name) or "null"), _STRUCTURED[name]
+    return content if isinstance(content, kind) else kind()  # of another program
 
 
 def json_attributes(contents: Mapping[str, Any]) -> dict[str, str]:

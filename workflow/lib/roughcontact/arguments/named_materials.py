@@ -4,17 +4,17 @@ import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from functools import cache
-from importlib import resources
 from itertools import product
 from typing import Any, NamedTuple
 
 from roughcontact.arguments.materials import RIGID
 from roughcontact.arguments.ranges import OF_BODIES, name_of_range, shares_of_range, weighted
+from roughcontact.arguments.rows import rows_beside
 from roughcontact.arguments.stacks import located_materials, materials_in
 from roughcontact.arguments.units import celsius
 from roughcontact.errors import SettingsError
 
-_SI = {"GPa": 1e9, "MPa": 1e6, "nOhm_m": 1e-9}
+_SI = {"GPa": 1e9, "MPa": 1e6, "W_m-1_K-1": 1.0, "nOhm_m": 1e-9}  # units of headings
 _GENT, _SHORE_A, _DEGREES = "Gent", (20, 95), 5  # source of moduli of elastomers; limits, tolerance
 _HARDNESS = ("hardness", name_of_range("hardness"))
 _TEMPERATURE = "temperature_degC"
@@ -58,11 +58,9 @@ def material(name: str) -> dict[str, Any]:
     False
     """
     properties = _properties(name)
-    plain_name, shore_a = _name_and_hardness(name)
+    row, shore_a = _row_and_hardness(name)
     hardness = "" if shore_a is None else f" {shore_a:g} Shore A"
-    return {"name": _row(plain_name)["name"] + hardness} | {
-        key: entry.value for key, entry in properties.items()
-    }
+    return {"name": row["name"] + hardness} | {key: entry.value for key, entry in properties.items()}
 
 
 def named_bodies(bodies: Sequence[Any]) -> list[Any]:
@@ -141,9 +139,8 @@ def temperature_limits(bodies: Sequence[Mapping[str, Any]] | None) -> dict[str, 
     limits = {}
     for _, body in located_materials(bodies):
         name = str(body.get("name"))
-        if text := _names().get(_plain(_name_and_hardness(name)[0]), {}).get(_TEMPERATURE):
-            lowest, highest = map(float, text.split())
-            limits[name] = {"lowest": lowest, "highest": highest}
+        if text := _row_and_hardness(name)[0].get(_TEMPERATURE):
+            limits[name] = dict(zip(("lowest", "highest"), map(float, text.split()), strict=True))
             relaxation = body.get("relaxation")
             if isinstance(relaxation, Mapping) and relaxation.get("temperature") is not None:
                 limits[name]["stated"] = celsius(relaxation["temperature"])
@@ -194,47 +191,42 @@ def _properties(name: str) -> dict[str, Property]:
 
     The modulus by a hardness in Shore A is that of `modulus_of_hardness`, with five degrees on either side.
     """
-    material_name, shore_a = _name_and_hardness(name)
-    row, properties = _row(material_name), {}
+    row, shore_a = _row(name), _row_and_hardness(name)[1]
+    properties = {}
+    for heading, text in row.items():
+        key, *unit = re.split(f"_({'|'.join(_SI)})$", heading)
+        if text and key not in ("name", "aliases", "source", _TEMPERATURE):
+            factor = _SI[unit[0]] if unit else 1.0
+            # as decimal numbers are written: 1.4 GPa is 1400000000 Pa, not 1399999999.9999998
+            numbers = (float(f"{float(cell) * factor:.6g}") for cell in text.split())
+            properties[key] = Property(*numbers)
     if shore_a is not None:
         if _GENT not in row["source"]:
             raise SettingsError(f"{name!r}: {row['name']} is no elastomer with a hardness in Shore A")
         if not _SHORE_A[0] <= shore_a <= _SHORE_A[1]:
             raise SettingsError(f"{name!r}: Shore A is from {_SHORE_A[0]} to {_SHORE_A[1]}")
-    for heading, text in row.items():
-        unit = next((unit for unit in _SI if heading.endswith(unit)), "")
-        key = re.sub("_(GPa|MPa|W_m-1_K-1|nOhm_m)$", "", heading)
-        if text and key not in ("name", "aliases", "source", _TEMPERATURE):
-            # as decimal numbers are written: 1.4 GPa is 1400000000 Pa, not 1399999999.9999998
-            value, lowest, highest = (
-                float(f"{float(number_text) * _SI.get(unit, 1.0):.6g}") for number_text in text.split()
-            )
-            properties[key] = Property(value, lowest, highest)
-    if shore_a is not None:
         moduli = (float(f"{modulus_of_hardness(shore_a + step):.3g}") for step in (0, -_DEGREES, _DEGREES))
         properties["youngs_modulus"] = Property(*moduli)
     return properties
 
 
-def _name_and_hardness(name: str) -> tuple[str, float | None]:
-    """Return the name of a material, and the hardness in Shore A behind it."""
+def _row_and_hardness(name: str) -> tuple[dict[str, str], float | None]:
+    """Return the row of a material, an empty one for an unknown name, and the Shore A behind the name."""
+    rows = _names()
     match = re.fullmatch(r"(.*[^\W\d])[\s-]+(\d+)\s*(?:sh(?:ore)?\s*-?\s*A)?\s*", str(name), re.IGNORECASE)
-    if match is None or _plain(name) in _names() or _plain(match[1]) not in _names():
-        return name, None
-    return match[1], float(match[2])
+    if match and _plain(name) not in rows and _plain(match[1]) in rows:
+        return rows[_plain(match[1])], float(match[2])
+    return rows.get(_plain(name), {}), None
 
 
 def _row(name: str) -> dict[str, str]:
     """Return the row of the table that has a name, or an error with the nearest names."""
-    rows = _names()
-    if (row := rows.get(_plain(name))) is not None:
+    if row := _row_and_hardness(name)[0]:
         return row
+    rows = _names()
     close = [rows[alias]["name"] for alias in get_close_matches(_plain(name), rows, n=3, cutoff=0.6)]
-    suggestion = (
-        f"did you mean {' or '.join(dict.fromkeys(close))}?"
-        if close
-        else "known are " + ", ".join(material_names())
-    )
+    hint = f"did you mean {' or '.join(dict.fromkeys(close))}?"
+    suggestion = hint if close else f"known are {', '.join(material_names())}"
     raise SettingsError(
         f"{name!r} is no material of the table, {suggestion}; or give youngs_modulus and poissons_ratio"
     )
@@ -255,6 +247,5 @@ def _plain(name: str) -> str:
 @cache
 def _table(file: str = "materials.tsv") -> list[dict[str, str]]:
     """Return the rows of a table by the words of its heading."""
-    text = resources.files("roughcontact.arguments").joinpath(file).read_text(encoding="utf-8")
-    heading, *lines = (line.split("\t") for line in text.splitlines() if not line.startswith("#"))
-    return [dict(zip(heading, line, strict=True)) for line in lines]
+    heading, *rows = rows_beside(__file__, file)
+    return [dict(zip(heading, row, strict=True)) for row in rows]

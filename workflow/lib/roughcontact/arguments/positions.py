@@ -5,6 +5,10 @@ from roughcontact.errors import SettingsError
 
 ELSEWHERE = "elsewhere"  # the overview is of another position of the same face
 _COLUMN = "overview_position"
+_RULE = (
+    "must be x and y of the middle of the map, from the lower left corner of the overview, and their unit "
+    f"(300 250 um), {ELSEWHERE} for another position of the face, or empty: it is then looked for"
+)
 
 
 def parse_position(text: str) -> tuple[float, float] | None:
@@ -22,17 +26,11 @@ def parse_position(text: str) -> tuple[float, float] | None:
     """
     if text in ("", ELSEWHERE):
         return None
-    rule = (
-        "must be x and y of the middle of the map, from the lower left corner of the overview, and their "
-        f"unit (300 250 um), {ELSEWHERE} for another position of the face, or empty: it is then looked for"
-    )
     try:
-        position = lengths_in_text(text, 2)
+        x, y = lengths_in_text(text, 2, _RULE)
     except ValueError as error:
         raise SettingsError(f"{_COLUMN} = {text!r}: {error}", keys=[_COLUMN]) from error
-    if position is None:
-        raise SettingsError(f"{_COLUMN} = {text!r}: {rule}", keys=[_COLUMN])
-    return position[0], position[1]
+    return x, y
 
 
 def separate_positions(text: str, number: int) -> list[str]:

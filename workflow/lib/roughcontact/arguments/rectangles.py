@@ -1,10 +1,11 @@
 """Rectangles on a map, as the columns `crop` and `mask` of the table of surfaces have them."""
 
-import re
 from typing import NamedTuple
 
 from roughcontact.arguments.units import lengths_in_text
 from roughcontact.errors import SettingsError
+
+_RULE = "must be x and y of two corners from the lower left one of the map, and their unit: 20 10 120 110 um"
 
 
 class Rectangle(NamedTuple):
@@ -35,21 +36,9 @@ def parse_rectangles(column: str, text: str) -> list[Rectangle]:
     parts = [part.strip() for part in text.split(";") if part.strip()]
     for part in parts:
         try:
-            edges = lengths_in_text(part, 4)
+            x1, y1, x2, y2 = lengths_in_text(part, 4, _RULE)
         except ValueError as error:
             raise SettingsError(f"{message}{error}") from error
-        if edges is None:
-            comma = re.search(r"\d,\d", part)
-            raise SettingsError(
-                message
-                + (
-                    "write a decimal point, not a comma, and blanks between the numbers"
-                    if comma
-                    else "must be x and y of two corners from the lower left one of the map, and their unit: "
-                    "20 10 120 110 um"
-                )
-            )
-        x1, y1, x2, y2 = edges
         if x1 == x2 or y1 == y2:
             raise SettingsError(
                 f"{message}a rectangle without an area; its two corners lie opposite each other"

@@ -47,8 +47,9 @@ _NAMES = {
     "Ohm m": "electrical_resistivity",
 }
 QUANTITIES = {name: base for base, names in _NAMES.items() for name in names.split()}
-# variables that have to be in a unit of this kind; None: the heights of a map
-_FIELDS: dict[Any, str] = dict.fromkeys((None, "y", "x", "height", "gap"), "m")
+# variables that have to be in a unit of this kind; a map alone is named as its heights are spoken of
+_HEIGHTS = "the heights"
+_FIELDS: dict[Any, str] = dict.fromkeys((_HEIGHTS, "y", "x", "height", "gap"), "m")
 _WIDEST, _ROUGHEST = 1.0, 1e-3  # m, field and rms height beyond those of instruments for roughness
 _FIELDS |= dict.fromkeys(("pressure", "mean_pressure"), "Pa")
 
@@ -187,16 +188,21 @@ def labelled_in_si(map_or_dataset: _Labelled) -> _Labelled:
     >>> found.values, found["x"].values, found.attrs["units"]
     (array([[1.e-09, 2.e-09]]), array([0.e+00, 5.e-06]), 'm')
     """
-    variables = (
-        {None: map_or_dataset.variable}
-        if isinstance(map_or_dataset, xr.DataArray)
-        else map_or_dataset.variables
-    )
+    if isinstance(map_or_dataset, xr.DataArray):
+        dataset = map_or_dataset.to_dataset(name=_HEIGHTS)
+        converted = _dataset_in_si(dataset, map_or_dataset.attrs)
+        return map_or_dataset if converted is dataset else converted[_HEIGHTS].rename(map_or_dataset.name)
+    return _dataset_in_si(map_or_dataset, map_or_dataset.attrs)
+
+
+def _dataset_in_si(dataset: xr.Dataset, attrs: Mapping[Any, Any]) -> xr.Dataset:
+    """Return a dataset of maps as `labelled_in_si`, itself where all is in SI; the `attrs` name it."""
     conversions: dict[Any, xr.Variable] = {}
     bare = []
-    for name, variable in {**map_or_dataset.coords.variables, **variables}.items():
+    for name in (*dataset.coords, *dataset.data_vars):
+        variable = dataset.variables[name]
         unit, base = unit_of(variable.attrs), _FIELDS.get(name)
-        coordinate = f"coordinate {name!r}" if name else "the heights"
+        coordinate = name if name == _HEIGHTS else f"coordinate {name!r}"
         if unit is None and base and variable.size > 1:
             bare.append(coordinate)
         if unit is None or unit == base:
@@ -205,32 +211,22 @@ def labelled_in_si(map_or_dataset: _Labelled) -> _Labelled:
         base = base or ("m" if unit_factor(unit, "m") else "Pa")
         factor = unit_factor(unit, base)
         if factor is None and name in _FIELDS:
-            title = map_or_dataset.attrs.get("source_file") or "the map"
+            title = attrs.get("source_file") or "the map"
             raise HeightMapError(f"{coordinate} of {title}: {unknown_unit(unit, base)}")
         if factor not in (None, 1.0):  # not for a unit of something else, such as a flag
-            attrs = {key: value for key, value in variable.attrs.items() if key != "unit"}
+            further = {key: value for key, value in variable.attrs.items() if key != "unit"}
             # in double: integers and single precision would lose digits
             data = variable.data * np.float64(factor)
-            conversions[name] = xr.Variable(variable.dims, data, attrs | {"units": base})
-    if not conversions:
-        return map_or_dataset
+            conversions[name] = xr.Variable(variable.dims, data, further | {"units": base})
     # one of two that states its unit says nothing of the other
-    if bare:
+    if conversions and bare:
         warnings.warn(
             f"{' and '.join(bare)} of the map: no attribute units, taken in m, beside others that have one; "
             "state it",
             HeightMapWarning,
-            stacklevel=4,
+            stacklevel=5,
         )
-    result = map_or_dataset.assign_coords(
-        {name: conversions.pop(name) for name in [*conversions] if name in map_or_dataset.coords}
-    )
-    if isinstance(result, xr.Dataset):
-        return result.assign(conversions)
-    if conversions:
-        result = result.copy(data=conversions[None].data)
-        result.attrs = conversions[None].attrs
-    return result
+    return dataset.assign(conversions) if conversions else dataset
 
 
 def warn_of_metres(positions: Iterable[np.ndarray], heights: np.ndarray, *, stacklevel: int) -> None:

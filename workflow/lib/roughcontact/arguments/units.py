@@ -8,8 +8,9 @@ import difflib
 import re
 import unicodedata
 from functools import cache
-from pathlib import Path
 from typing import Any
+
+from roughcontact.arguments.rows import rows_beside
 
 # base unit: what it is of, and the spellings offered in a message
 _QUANTITIES = {
@@ -44,10 +45,13 @@ _NUMBER_AND_UNIT = re.compile(rf"\s*{_NUMBER}\s*(\S.*)", re.DOTALL)
 @cache
 def spellings(base: str) -> dict[str, float]:
     """Return the value in a base unit of each spelling in `units.tsv`."""
-    text = Path(__file__).with_name("units.tsv").read_text(encoding="utf-8")
-    rows = [line.split("\t") for line in text.splitlines() if line.startswith(f"{base}\t")]
     # µ has two code points, which NFKC makes one
-    return {unicodedata.normalize("NFKC", name): float(value) for _, value, *names in rows for name in names}
+    return {
+        unicodedata.normalize("NFKC", name): float(value)
+        for of_base, value, *names in rows_beside(__file__, "units.tsv")
+        for name in names
+        if of_base == base
+    }
 
 
 def printed(base: str) -> str:
@@ -159,22 +163,25 @@ def celsius(value: Any) -> float:
     return float(number[1]) - _ZEROS[scale]
 
 
-def lengths_in_text(text: str, count: int) -> list[float] | None:
-    """Return so many numbers that blanks separate and one unit follows, in m; None for another text.
+def lengths_in_text(text: str, count: int, rule: str) -> list[float]:
+    """Return so many numbers that blanks separate and one unit follows, in m.
 
     Raises
     ------
     ValueError
-        If the unit is none of length.
+        If the unit is none of length; for another text with the `rule` of what it must be.
 
     Examples
     --------
-    >>> lengths_in_text("300 250 um", 2), lengths_in_text("300 um", 2)
-    ([0.0003, 0.00025], None)
+    >>> lengths_in_text("300 250 um", 2, "must be two lengths")
+    [0.0003, 0.00025]
     """
     numbers = r"\s+".join([_NUMBER] * count)
     if (form := re.fullmatch(rf"{numbers}\s*([^\d\s.,;+-][^\s;]*)", text)) is None:
-        return None
+        has_comma = re.search(r"\d,\d", text)
+        raise ValueError(
+            "write a decimal point, not a comma, and blanks between the numbers" if has_comma else rule
+        )
     *values, unit = form.groups()
     return [float(convert_to_base_unit(f"{value} {unit}", "m")) for value in values]
 

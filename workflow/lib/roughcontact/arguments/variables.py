@@ -4,33 +4,22 @@
 """
 
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import (
-    ALLOWED_VALUES,
-    ANSWERS,
-    ASKED_BY,
-    CREEPING,
-    QUANTITIES,
-    TOTALS,
-)
+from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, ASKED_BY, CREEPING, QUANTITIES, TOTALS
+from roughcontact.arguments.rows import rows_beside
 from roughcontact.errors import RoughContactError
 
 Numbers = xr.Dataset | Mapping[str, Any]  # statistics, or their plain values by name
 
 
-def _documented() -> dict[str, tuple[str | None, str]]:
-    """Return name -> (unit in UDUNITS spelling, meaning) of each row of `variables.tsv`."""
-    text = Path(__file__).with_name("variables.tsv").read_text(encoding="utf-8")
-    rows = [line.split("\t") for line in text.splitlines() if not line.startswith("#")]
-    return {name: (unit or None, meaning) for name, unit, meaning in rows}
-
-
-VARIABLES = _documented()
+# name -> unit in UDUNITS spelling, and meaning
+VARIABLES: dict[str, tuple[str | None, str]] = {
+    name: (unit or None, meaning) for name, unit, meaning in rows_beside(__file__, "variables.tsv")
+}
 
 
 def _with_endings(

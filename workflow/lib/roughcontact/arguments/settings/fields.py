@@ -130,24 +130,6 @@ def leaves(section: type[Section], prefix: str, values: Any) -> Iterator[tuple[s
             yield from leaves(below, f"{name}.", value)
 
 
-def value_at(config: Any, name: str) -> Any:
-    """Return what settings hold under a dotted name, an empty text where they hold nothing.
-
-    Examples
-    --------
-    >>> value_at({"contact": {"bodies": ["steel", {"hardness": "1 GPa"}]}}, "contact.bodies.1.hardness")
-    '1 GPa'
-    """
-    for key in name.split("."):
-        if isinstance(config, list) and key.isdecimal():
-            config = config[int(key)] if int(key) < len(config) else ""
-        elif isinstance(config, Mapping):
-            config = config.get(key, "")
-        elif key != "material":  # a body that is a name
-            return ""
-    return config
-
-
 def label(name: str) -> str:
     """Return the words of a setting by its dotted name.
 

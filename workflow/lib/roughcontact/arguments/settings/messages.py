@@ -3,11 +3,11 @@
 import re
 from collections.abc import Collection, Mapping, Sequence
 from difflib import get_close_matches
-from pathlib import Path
 from typing import Any
 
 from pydantic_core import ErrorDetails
 
+from roughcontact.arguments.rows import rows_beside
 from roughcontact.arguments.settings.fields import field_at, fields_at, setting_choices
 from roughcontact.errors import SettingsError
 
@@ -18,8 +18,7 @@ _MAX_NAME_LENGTH = 64
 _REPETITIONS = 19
 
 MAX_VALUE = 500  # characters of a value that a message repeats: it is read by a person
-_LINES = Path(__file__).with_name("rules.tsv").read_text(encoding="utf-8").splitlines()
-_RULES = [tuple(line.split("\t")) for line in _LINES if not line.startswith("#")]
+_RULES = rows_beside(__file__, "rules.tsv")
 
 # keys of bodies by the letters of textbooks, small
 _SYMBOLS = {

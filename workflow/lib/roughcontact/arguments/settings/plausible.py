@@ -4,7 +4,7 @@ A bare number is in the base unit. A value with its unit is never questioned.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
@@ -124,53 +124,63 @@ def bare_number(value: Any) -> float:
         return math.nan
 
 
-def implausible_together(
-    raw: Mapping[str, Any], contact: Mapping[str, Any]
-) -> Iterator[tuple[Location, str]]:
-    """Yield location and question for each modulus, hardness and load (SI) that others contradict.
+def implausible_together(raw: Mapping[str, Any], contact: Mapping[str, Any]) -> list[tuple[Location, str]]:
+    """Return location and question for each modulus, hardness and load (SI) that others contradict.
 
     A number is not judged beside a modulus that is in doubt itself.
     """
+    questions: list[tuple[Location, str]] = []
+
+    def judge(doubt: Doubt | None, *where: str | int) -> None:
+        location: Location = ("contact", *where)
+        written = value_at(raw, ".".join(map(str, location)))
+        if doubt and not carries_unit(written):
+            unit = _OF_FORCES.get(where[0], "Pa")
+            question = doubt.question() if unit == "Pa" else f"force by area, {doubt.question()}"
+            rule = _BARE_NUMBER_RULE.format(unit=printed(unit))
+            questions.append((location, f" = {written!r}: {question} {rule}"))
+
     loads, hardness, area = contact["mean_pressure"] or (), contact["hardness"], contact["area"]
     if contact["force"] and area:
         loads = [force / area for force in contact["force"]]
-    doubts: list[tuple[Location, Doubt | None]] = []
     for where, material in located_materials(contact["bodies"]):
-        if material["youngs_modulus"] is not None:  # all but a rigid base
-            doubt = materials.doubt_of_body(material["youngs_modulus"], material["poissons_ratio"])
-            doubts.append(((*where, "youngs_modulus"), doubt))
-        if material.get("hardness") is not None:  # of a body: it is that of its surface
+        if (modulus := material["youngs_modulus"]) is not None:  # all but a rigid base
+            judge(materials.doubt_of_body(modulus, material["poissons_ratio"]), *where, "youngs_modulus")
+        if (of_body := material.get("hardness")) is not None:  # it is that of its surface
             stiffness = top_material(material)["youngs_modulus"]
-            doubts.append(
-                ((*where, "hardness"), materials.doubt_of_hardness(material["hardness"], stiffness))
-            )
+            judge(materials.doubt_of_hardness(of_body, stiffness), *where, "hardness")
     if contact["bodies"]:
         modulus = materials.contact_modulus(contact["bodies"])
     else:
         modulus = contact["contact_modulus"]
-        doubts.append((("contact_modulus",), materials.doubt_of_gel(modulus, [*loads, hardness or 0.0])))
-    # a doubtful modulus makes every load doubtful: one question is enough
-    if not any(doubt and not carries_unit(_value_at(raw, ("contact", *where))) for where, doubt in doubts):
-        if hardness is not None:
-            doubts.append((("hardness",), materials.doubt_of_hardness(hardness, modulus)))
-        for index, load in enumerate(loads):
-            where = ("force", index) if area else ("mean_pressure", index)
-            if area and carries_unit(_value_at(raw, ("contact", *where))):
-                where = ("area",)
-            doubts.append((where, materials.doubt_of_load(load, modulus)))
-    for where, doubt in doubts:
-        location: Location = ("contact", *where)
-        if doubt and not carries_unit(written := _value_at(raw, location)):
-            unit = _OF_FORCES.get(where[0], "Pa")
-            question = doubt.question() if unit == "Pa" else f"force by area, {doubt.question()}"
-            yield location, f" = {written!r}: {question} {_BARE_NUMBER_RULE.format(unit=printed(unit))}"
+        judge(materials.doubt_of_gel(modulus, [*loads, hardness or 0.0]), "contact_modulus")
+    if questions:  # a doubtful modulus makes every load doubtful: one question is enough
+        return questions
+    if hardness is not None:
+        judge(materials.doubt_of_hardness(hardness, modulus), "hardness")
+    for index, load in enumerate(loads):
+        place: Location = ("force", index) if area else ("mean_pressure", index)
+        if area and carries_unit(value_at(raw, f"contact.force.{index}")):
+            place = ("area",)
+        judge(materials.doubt_of_load(load, modulus), *place)
+    return questions
 
 
-def _value_at(section: Any, location: Location) -> Any:
-    """Return the value at a location, None where there is none; one load may stand for a list of one."""
-    for key in location:
-        if isinstance(key, int):
-            section = section[key] if isinstance(section, list | tuple) else section
-        else:
-            section = (section or {}).get(key)
-    return section
+def value_at(config: Any, name: str) -> Any:
+    """Return what settings hold under a dotted name, an empty text where they hold nothing.
+
+    A value alone may stand for a list of one, and a name for a body.
+
+    Examples
+    --------
+    >>> value_at({"contact": {"bodies": ["steel", {"hardness": "1 GPa"}]}}, "contact.bodies.1.hardness")
+    '1 GPa'
+    """
+    for key in name.split("."):
+        if isinstance(config, list | tuple) and key.isdecimal():
+            config = config[int(key)] if int(key) < len(config) else ""
+        elif isinstance(config, Mapping):
+            config = config.get(key, "")
+        elif key != "material" and not key.isdecimal():
+            return ""
+    return config
