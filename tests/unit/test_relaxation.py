@@ -138,7 +138,7 @@ def test_the_shift_is_that_of_williams_landel_and_ferry():
 def test_temperatures_may_have_their_scale():
     kelvin = {"table": "PIB", "temperature": "273.15 K"}
     np.testing.assert_allclose(
-        relaxation_of(kelvin).times, relaxation_of({"table": "PIB", "temperature": 0}).times
+        relaxation_of(kelvin).times, relaxation_of({"table": "PIB", "temperature": "0"}).times
     )
     both = {"wlf": [8.86, 101.6], "reference_temperature": "20 °C", "temperature": "313.15 K"}
     plain = {"wlf": [8.86, 101.6], "reference_temperature": 293.15, "temperature": 313.15}

@@ -37,9 +37,9 @@ _QUANTITIES = {
 }
 _RAISED = str.maketrans("23", "²³")
 _SIGNS = {"Ohm": "Ω"}  # of units whose symbol is none of Latin letters
-_NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+_NUMBER = r"([+-]?(?>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))"  # no digit of it is left for a unit
 _ZEROS = {"K": 273.15, **dict.fromkeys(("°C", "degC", "deg C", "C"), 0.0)}  # of °C
-_NUMBER_AND_UNIT = re.compile(rf"\s*{_NUMBER}\s*(\S.*)", re.DOTALL)
+_NUMBER_AND_UNIT = re.compile(rf"\s*{_NUMBER}\s*([^\s_].*)", re.DOTALL)
 
 
 @cache
@@ -126,22 +126,20 @@ def unknown_unit(unit: object, base: str) -> str:
 def carries_unit(value: object) -> bool:
     """Return whether a value is a number followed by a unit, as in ``"115 GPa"``; False for a bare number."""
     # a number alone is in the base unit
-    return isinstance(value, str) and not _is_number(value) and bool(_NUMBER_AND_UNIT.fullmatch(value))
+    return isinstance(value, str) and bool(_NUMBER_AND_UNIT.fullmatch(value))
 
 
 def convert_to_base_unit(value: Any, base: str) -> Any:
     """Return a number that carries its unit as one in the base unit, and anything else as it is."""
-    if not isinstance(value, str) or _is_number(value):
+    match = _NUMBER_AND_UNIT.fullmatch(value) if isinstance(value, str) else None
+    if match is None:
         return value
-    number_and_unit = _NUMBER_AND_UNIT.fullmatch(value)
-    if number_and_unit is None:
-        return value
-    if number_and_unit[2].startswith(","):
+    number, unit = float(match[1]), match[2]
+    if unit.startswith(","):
         raise ValueError("write a decimal point, not a comma")
-    factor = unit_factor(number_and_unit[2], base)
-    if factor is None:
-        raise ValueError(unknown_unit(number_and_unit[2], base))
-    number, inverse = float(number_and_unit[1]), round(1 / factor)
+    if (factor := unit_factor(unit, base)) is None:
+        raise ValueError(unknown_unit(unit, base))
+    inverse = round(1 / factor)
     # by a division where that is exact: 2.5e-06 for 2.5 µm, not 2.4999999999999998e-06
     return number / inverse if inverse > 1 and 1 / inverse == factor else number * factor
 
@@ -191,12 +189,3 @@ def _clean(unit: object) -> str:
     name = unicodedata.normalize("NFKC", str(unit)).strip()
     # a quotient may be spelt m s^-1 or m/s
     return name.replace("^", "").replace(" / ", "/") if "/" in name else name
-
-
-def _is_number(text: str) -> bool:
-    """Return whether a text is a number without a unit."""
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
