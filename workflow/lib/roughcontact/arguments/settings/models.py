@@ -417,11 +417,7 @@ class Contact(Section):
     """plane-strain contact modulus E*, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; 115 GPa for steel on
     steel"""
     bodies: list[Body] | None = Field(
-        default=None,
-        min_length=2,
-        max_length=2,
-        json_schema_extra=_or_names,
-        examples=[[_STEEL, _PEEK]],
+        default=None, min_length=2, max_length=2, json_schema_extra=_or_names, examples=[[_STEEL, _PEEK]]
     )
     """the two bodies, instead of contact_modulus: names of materials ([steel, PEEK]), or Young's moduli (Pa),
     Poisson's ratios and optional properties, to which material: steel adds those of a name"""

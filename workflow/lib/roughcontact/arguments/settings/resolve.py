@@ -100,8 +100,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     combination = _merge(base, overrides)
     mistakes = in_case(_mistakes_in_alternatives(combination))
     try:
-        if isinstance(combination["contact"], dict):
-            _complete_bodies(combination["contact"])
+        relaxation_mistakes = _complete_bodies(combination["contact"])
     except SettingsError as error:
         # without bodies nothing else can be checked
         return {}, [*mistakes, *in_case([("contact.bodies", f": {error}")])]
@@ -123,6 +122,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     properties, defaults = properties_of_bodies(contact["bodies"]), Settings().model_dump(mode="json")
     further = (
         _mistakes_in_bodies(contact["bodies"] or ()),
+        relaxation_mistakes,
         facts_of_settings(settings).mistakes(settings, defaults, properties),
         _mistakes_in_loads(contact),
         _mistakes_in_statistics(settings),
@@ -134,10 +134,14 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     return settings, mistakes + in_case(chain(*further))
 
 
-def _complete_bodies(contact: dict[str, Any]) -> None:
-    """Give bodies, not checked yet, the properties of the materials that they name, and those at rest."""
-    if not isinstance(contact.get("bodies"), list):
-        return
+def _complete_bodies(contact: Any) -> list[tuple[str, str]]:
+    """Give bodies, not checked yet, the properties of the materials that they name, and those at rest.
+
+    What is wrong with the relaxation of a body that states its modulus hides nothing else: it is returned.
+    """
+    mistakes: list[tuple[str, str]] = []
+    if not isinstance(contact, dict) or not isinstance(contact.get("bodies"), list):
+        return mistakes
     # a hardness of the contact goes before those of the table
     has_hardness = contact.get("hardness") is not None
     no_hardness = {"hardness": None, name_of_range("hardness"): None} if has_hardness else {}
@@ -149,8 +153,12 @@ def _complete_bodies(contact: dict[str, Any]) -> None:
                 from roughcontact.arguments import relaxation  # with all that reads tables
 
                 bodies[index] = relaxation.with_modulus_at_rest(bodies[index])
-                if body.get("youngs_modulus") is not None:  # without, it was read for that
-                    relaxation.relaxation_of(body["relaxation"])
+                try:
+                    if body.get("youngs_modulus") is not None:  # without, it was read for that
+                        relaxation.relaxation_of(body["relaxation"])
+                except SettingsError as error:
+                    mistakes.append(("contact.bodies", f": {error}"))
+    return mistakes
 
 
 def _mistakes_in_loads(contact: Mapping[str, Any]) -> Mistakes:
