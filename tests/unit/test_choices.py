@@ -109,7 +109,7 @@ def test_a_word_that_is_none_is_refused_with_the_valid_ones(kind, value, message
 def test_settings_and_choices_import_nothing_heavy():
     """Snakemake reads the settings in every job, before anything is computed."""
     program = (
-        "import sys, roughcontact.arguments.settings.resolve, roughcontact.study.surfaces\n"
+        "import sys, roughcontact.arguments.settings.resolve, roughcontact.study.table.columns\n"
         "print(*sys.modules.keys() & {'numpy', 'scipy', 'xarray', 'pandas', 'netCDF4'})"
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
