@@ -132,8 +132,7 @@ def _measured(result: Converted) -> dict:
     ny, nx = heights.shape
     rms_height, rms_gradient = roughness_off_plane(heights, dx, dy)
     properties = {"ny": ny, "nx": nx, "dx": dx, "dy": dy, "size_x": nx * dx, "size_y": ny * dy}
-    properties |= _missing(heights) | _range(heights)
-    properties |= {"rms_height": rms_height, "rms_gradient": rms_gradient}
+    properties |= _extent(heights) | {"rms_height": rms_height, "rms_gradient": rms_gradient}
     return properties | {"quantisation_step": quantisation_step(heights)}
 
 
@@ -161,16 +160,13 @@ def _described(channel: Channel, path: Path, *, read: bool) -> dict:
     except InputFileError as error:
         return properties | {"reason": str(error)}
     if np.isfinite(values).any():
-        properties |= _missing(values) | {"rms_height": float(np.nanstd(values))} | _range(values)
+        properties |= _extent(values) | {"rms_height": float(np.nanstd(values))}
     return properties
 
 
-def _missing(heights: np.ndarray) -> dict:
-    """Return number and share of the missing points."""
+def _extent(heights: np.ndarray) -> dict:
+    """Return number and share of the missing points, the lowest and the highest height."""
     missing = int(np.isnan(heights).sum())
-    return {"missing_points": missing, "missing_share": missing / heights.size}
-
-
-def _range(heights: np.ndarray) -> dict:
-    """Return the lowest and the highest height."""
-    return {"lowest": float(np.nanmin(heights)), "highest": float(np.nanmax(heights))}
+    low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
+    share = missing / heights.size
+    return {"missing_points": missing, "missing_share": share, "lowest": low, "highest": high}

@@ -20,22 +20,22 @@ from roughcontact.io.channels import MIN_MARKER, NO_TOPOGRAPHY, Channel, Measure
 from roughcontact.io.guards import listed
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import LABELS, instrument_metadata
-from roughcontact.io.positions import UnevenPositionsError, even_step, rounded_step, scattered
+from roughcontact.io.positions import UnevenPositionsError, even_step, points_on_grid, rounded_step, scattered
 from roughcontact.io.sources import parse_lengths
 from roughcontact.io.text.axes import are_points, begins_anew, find_axes, form_a_grid, uneven, wrapped
 from roughcontact.io.text.columns import Column, are_map_columns, headed, layout, miscounted, unit_of_heights
-from roughcontact.io.text.doubts import refuse_lost_row, thousands
-from roughcontact.io.text.header import (
-    LENGTHS,
-    Stated,
-    Statement,
-    contradiction,
-    refuse_disagreeing,
-    statements,
-)
+from roughcontact.io.text.doubts import thousands
+from roughcontact.io.text.header import LENGTHS, Stated, Statement, check_agreement, contradiction, statements
 from roughcontact.io.text.lines import looks_like_text, read_text
-from roughcontact.io.text.point_grid import points_on_grid
-from roughcontact.io.text.table import Dialect, Rows, Table, left_out, parse_table, split_text
+from roughcontact.io.text.table import (
+    Dialect,
+    Rows,
+    Table,
+    left_out,
+    parse_table,
+    refuse_lost_row,
+    split_text,
+)
 from roughcontact.io.text.traces import are_traces, runs, turn
 from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import pattern, words
@@ -116,7 +116,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         "write NaN if the point is missing, or correct it"
         for marker, count in table.spoken.items()
     ]
-    refuse_disagreeing(by_meaning)
+    check_agreement(by_meaning)
     values[(np.abs(values) > MIN_MARKER) | (values == _KEYENCE)] = np.nan  # infinite ones too
     if {line.split()[0].lower() for _, line in rows.filled} >= _ARC_INFO:
         by_meaning.setdefault("missing", [Statement(-9999.0)])  # by default of the format

@@ -1,28 +1,14 @@
-"""Doubts about the table of a text: a row above it, thousands separators, row numbers among the heights."""
+"""Doubts about the numbers of a table: marks that may be decimal signs or separate thousands."""
 
 import re
 from itertools import islice
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.text.header import LENGTHS, Stated, statements
-from roughcontact.io.text.missing import is_missing
-from roughcontact.io.text.table import COMMENT_SIGNS, WITHOUT_THOUSANDS, Dialect, Rows, word_in_row
+from roughcontact.io.text.header import LENGTHS, Stated
+from roughcontact.io.text.table import WITHOUT_THOUSANDS, Dialect, is_missing
 
 _MIN_CELLS = 10  # cells with three digits behind the mark, of which fewer say nothing
 _MAX_CELLS = 200_000  # cells that are compared column by column
-
-
-def refuse_lost_row(rows: Rows, width: int, dialect: Dialect) -> None:
-    """Refuse a table of `width` columns below a line that is one of its rows except for a word."""
-    number, line = rows.filled[-1] if rows.filled else (0, "")
-    stray_word = word_in_row(line, width, dialect) if line else None
-    if stray_word is None or re.search(r"[^\W\d]\s*[:=]", line) or statements([line]):
-        return
-    if width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS):
-        return
-    wrong = f"line {number} has as many cells as the rows of the table below it"
-    way_out = "correct it, write NaN for a missing point, or delete the line if it is no row of the map"
-    raise InputFileError(f"{wrong}, and {stray_word[:40]!r} in place of a number: {way_out}")
 
 
 def thousands(by_meaning: Stated, body: list[str], dialect: Dialect) -> list[str]:

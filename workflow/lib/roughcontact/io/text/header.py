@@ -180,7 +180,7 @@ def _parsed(text: str, sign: str, *, alone: bool = True) -> Iterator[tuple[str, 
         yield "first_row", Statement(first_rows[0])
 
 
-def refuse_disagreeing(by_meaning: Stated) -> None:
+def check_agreement(by_meaning: Stated) -> None:
     """Refuse repeated units, numbers of points and factors that do not agree."""
     for ratio, bare in zip(by_meaning.get("z_factor", []), by_meaning.get("height_unit", []), strict=False):
         # of the products, or of the numbers, as radians; a factor of 1 makes no lengths of volts

@@ -17,9 +17,8 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.guards import brief, check_count, check_points
 from roughcontact.io.text.columns import is_heading
 from roughcontact.io.text.header import statements
-from roughcontact.io.text.missing import is_missing, is_spoken, joined
 from roughcontact.io.units import is_length
-from roughcontact.io.vocabulary import meanings
+from roughcontact.io.vocabulary import meanings, words
 
 COMMENT_SIGNS = "#%;!\\*/"  # at the beginning of a line
 WITHOUT_THOUSANDS = "write the numbers without separators of thousands"
@@ -50,6 +49,35 @@ _UNEVEN = 0.1  # of a step, between positions that are rounded
 _FEW_ROWS = 3  # that show what a first row with one cell less is
 _SHORT_WORD = 5  # letters; longer ones behind a number are a line of a header
 _FEW_CELLS = 32  # at the beginning of a line, which tell a row with words from a heading
+# words for a missing point; numbers are in `io.channels`
+_MARKERS = {"", *meanings("marker")}  # an empty cell too
+# taken as missing, with a warning: they may have another meaning
+_SPOKEN = set(words("missing")["spoken"])
+_FILLING = "-*?"  # characters that stand for a missing point, repeated any number of times
+_PHRASE = re.compile(
+    rf"(?<![^\s;,])(?:{'|'.join(map(re.escape, words('missing')['phrase']))})(?=[\s;,]|$)", re.IGNORECASE
+)
+
+
+def is_missing(cell: str) -> bool:
+    """Return whether a cell without blanks around it stands for a missing point.
+
+    Examples
+    --------
+    >>> [is_missing(word) for word in ("NaN", "***", "Ungültig", "1.5", "trace")]
+    [True, True, True, False, False]
+    """
+    return cell.lower() in _MARKERS or is_spoken(cell) or not cell.strip(_FILLING)
+
+
+def is_spoken(cell: str) -> bool:
+    """Return whether a cell is a word that may have another meaning beside that of a missing point."""
+    return cell.lower() in _SPOKEN
+
+
+def joined(line: str) -> str:
+    """Return a line in which the phrases for a missing point are one word each."""
+    return _PHRASE.sub(lambda match: match[0].lower().replace(" ", ""), line) if " " in line else line
 
 
 class Dialect(NamedTuple):
@@ -544,6 +572,19 @@ def word_in_row(line: str, width: int, dialect: Dialect) -> str | None:
     if is_marker and any(map(str.isalnum, non_numbers[0])) and not is_heading(non_numbers[0]):
         return non_numbers[0]
     return None
+
+
+def refuse_lost_row(rows: Rows, width: int, dialect: Dialect) -> None:
+    """Refuse a table of `width` columns below a line that is one of its rows except for a word."""
+    number, line = rows.filled[-1] if rows.filled else (0, "")
+    stray_word = word_in_row(line, width, dialect) if line else None
+    if stray_word is None or re.search(r"[^\W\d]\s*[:=]", line) or statements([line]):
+        return
+    if width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS):
+        return
+    wrong = f"line {number} has as many cells as the rows of the table below it"
+    way_out = "correct it, write NaN for a missing point, or delete the line if it is no row of the map"
+    raise InputFileError(f"{wrong}, and {stray_word[:40]!r} in place of a number: {way_out}")
 
 
 def _are_finite(values: Iterable[float | None]) -> np.ndarray:
