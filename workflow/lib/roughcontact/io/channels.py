@@ -170,20 +170,16 @@ def choose_channel(
         wrong = f"no channel is named {str(choice)!r}"
         raise InputFileError(f"{wrong}; the file has {listing}{together}", keys=["channel"])
     if file.question:
-        raise InputFileError(
-            f"{file.question}; name one with channel (table of surfaces or argument), of {listing}; "
-            f"or all, in a row each, as repeats of one part of a group{together}",
-            keys=["channel"],
-        )
+        way_out = f"name one with channel (table of surfaces or argument), of {listing}"
+        repeats = "or all, in a row each, as repeats of one part of a group"
+        raise InputFileError(f"{file.question}; {way_out}; {repeats}{together}", keys=["channel"])
     is_height = unit_given and len(names) == 1
     heights = [channel for channel in file.channels if is_height or not channel.no_height]
     if not heights:
         reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in file.channels)
-        raise InputFileError(
-            f"no channel of this file holds heights ({reasons or 'it has none'}); if one does, "
-            "name it with channel and give height_unit",
-            keys=["channel", "height_unit"],
-        )
+        wrong = f"no channel of this file holds heights ({reasons or 'it has none'})"
+        way_out = "if one does, name it with channel and give height_unit"
+        raise InputFileError(f"{wrong}; {way_out}", keys=["channel", "height_unit"])
     # by name the last resort: a map called error may still be the only one with lengths
     channel = min(heights, key=lambda channel: NO_TOPOGRAPHY.search(channel.name) is not None)
     chosen = f"the first height channel of {len(names)}" if len(names) > 1 else "the only channel"

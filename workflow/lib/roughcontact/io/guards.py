@@ -97,9 +97,8 @@ def check_file(path: Path) -> None:
     except PermissionError as error:
         raise InputFileError("its folder may not be read by this user") from error
     except (OSError, ValueError) as error:
-        raise InputFileError(
-            "no such file; check the path (relative paths start at the working folder)"
-        ) from error
+        where = "relative paths start at the working folder"
+        raise InputFileError(f"no such file; check the path ({where})") from error
     if stat.S_ISDIR(status.st_mode):
         raise InputFileError("is a folder; name one file in it (roughcontact inspect lists them)")
     if not stat.S_ISREG(status.st_mode):

@@ -63,9 +63,7 @@ def rounded_step(positions: ArrayLike) -> float | None:
     return float(step) if np.max(np.abs(positions - start - step * number)) <= 0.55 * last else None
 
 
-def channel_on_grid(
-    channel: Channel, x: Positions, y: Positions, names: tuple[str, str] = ("x", "y")
-) -> Channel:
+def channel_on_grid(channel: Channel, x: Positions, y: Positions, names: Sequence[str] = "xy") -> Channel:
     """Return a channel with its steps, rows and columns by rising positions, or as points off a grid.
 
     Along each axis a step, positions (n,), those of all points (ny, nx), or None where they are unknown.

@@ -106,19 +106,14 @@ def _channels(header: np.void, start: int, path: Path) -> Iterator[Channel]:
     if height > 1 and dy and unit and not same_length(unit, unit_y):
         notes.append(f"the axes have different units, {unit} along x and {unit_y or 'none'} along y")
         dy = dy * metres(unit_y) / metres(unit) if is_length(unit) and is_length(unit_y) else None
+    dy = dy if height > 1 else None
     load = cache(partial(_counts, header, start, path))
     for first_row in range(0, ny, height):
-        yield Channel(
-            "Default",
-            (height, nx),
-            partial(_read, header, load, slice(first_row, first_row + height)),
-            height_unit=height_unit or None,
-            dx=dx,
-            dy=dy if height > 1 else None,
-            lateral_unit=unit or None,
-            no_height="an image" if header["type"] in _IMAGES else "",
-            notes=list(notes),
-        )
+        rows = partial(_read, header, load, slice(first_row, first_row + height))
+        channel = Channel("Default", (height, nx), rows, height_unit or None, dx, dy, unit or None)
+        channel.no_height = "an image" if header["type"] in _IMAGES else channel.no_height
+        channel.notes = list(notes)
+        yield channel
 
 
 def _counts(header: np.void, start: int, path: Path) -> np.ndarray:

@@ -73,22 +73,16 @@ def _frames(group: Any, several: bool, path: Path) -> Iterator[Channel]:
     scale = float(group.attrs[_SCALE + "multiplier"]), float(group.attrs[_SCALE + "offset"])
     direction = "retrace" if _stated(group, "retrace") == "true" else "trace"
     is_turned = abs(float(grid.get("theta", 0.0))) > 1e-3
-    no_topography = is_length(unit) and _rank(group) == len(_HEIGHTS)
+    no_height = "by its name no topography" * (is_length(unit) and _rank(group) == len(_HEIGHTS))
     prefix = f"{measurement.name[1:]} " if several else ""
     label = prefix + _stated(group, "channel.fancy-name", _stated(group, "channel.name", array.name))
     field = [float(grid[key]) or None for key in ("ulength", "vlength")]
-    frames = array.shape[1]
+    lateral_unit, frames = _stated(measurement, _GRID + "unit.unit", "m"), array.shape[1]
+    more: Any = {"no_height": no_height, "notes": [_TURNED] * is_turned}
     for frame in range(frames):
-        yield picture(
-            f"{label} ({direction}{f', frame {frame + 1}' if frames > 1 else ''})",
-            (ny, nx),
-            partial(_read, path, array.name, frame, (ny, nx), scale),
-            unit or "no unit",
-            field,
-            _stated(measurement, _GRID + "unit.unit", "m"),
-            no_height="by its name no topography" if no_topography else "",
-            notes=[_TURNED] if is_turned else [],
-        )
+        name = f"{label} ({direction}{f', frame {frame + 1}' if frames > 1 else ''})"
+        image = partial(_read, path, array.name, frame, (ny, nx), scale)
+        yield picture(name, (ny, nx), image, unit or "no unit", field, lateral_unit, **more)
 
 
 def _read(path: Path, name: str, frame: int, shape: tuple[int, int], scale: Sequence[float]) -> np.ndarray:

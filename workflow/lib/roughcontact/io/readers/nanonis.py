@@ -61,17 +61,13 @@ def _channels(entries: dict[str, str], start: int, path: Path) -> Iterator[Chann
     names, *rows = (line.split("\t") for line in entries["DATA_INFO"].splitlines() if line.strip())
     for row in rows:
         entry = dict(zip(map(str.strip, names), map(str.strip, row), strict=True))
-        no_topography = is_length(entry["Unit"]) and NO_TOPOGRAPHY.search(entry["Name"])
+        unit = entry["Unit"] or "no unit"
+        no_topography = is_length(unit) and NO_TOPOGRAPHY.search(entry["Name"])
+        why = "by its name no topography" if no_topography else ""
         for direction in _DIRECTIONS[entry["Direction"].lower()]:
-            yield picture(
-                f"{entry['Name']} ({direction})",
-                (ny, nx),
-                partial(_read, path, start, (ny, nx), reverse=direction == "backward"),
-                entry["Unit"] or "no unit",
-                field,
-                "m",
-                no_height="by its name no topography" if no_topography else "",
-            )
+            name = f"{entry['Name']} ({direction})"
+            image = partial(_read, path, start, (ny, nx), reverse=direction == "backward")
+            yield picture(name, (ny, nx), image, unit, field, "m", no_height=why)
             start += 4 * nx * ny
 
 

@@ -27,15 +27,7 @@ from roughcontact.io.text.columns import Column, are_map_columns, headed, layout
 from roughcontact.io.text.doubts import thousands
 from roughcontact.io.text.header import LENGTHS, Stated, Statement, check_agreement, contradiction, statements
 from roughcontact.io.text.lines import looks_like_text, read_text
-from roughcontact.io.text.table import (
-    Dialect,
-    Rows,
-    Table,
-    left_out,
-    parse_table,
-    refuse_lost_row,
-    split_text,
-)
+from roughcontact.io.text.table import Dialect, Rows, Table, left_out, parse_table, split_text
 from roughcontact.io.text.traces import are_traces, runs, turn
 from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import pattern, words
@@ -44,9 +36,8 @@ _SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # header entr
 _MANY_PROFILES = 10  # columns; fewer beside a first one of positions may be profiles
 _MAX_NARROW_ROWS = 1000  # rows of two or three columns that may be a map
 _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that may be positive downwards
-_COMPUTED = re.compile(  # headings of heights that were multiplied, turned, or are others than heights
-    rf"[*×·/^]|\bx\s?\d|^[-−]|\blog\b|invert|{NO_TOPOGRAPHY.pattern}", re.IGNORECASE
-)
+# headings of heights that were multiplied, turned, or are others than heights
+_COMPUTED = re.compile(rf"(?i)[*×·/^]|\bx\s?\d|^[-−]|\blog\b|invert|{NO_TOPOGRAPHY.pattern}")
 _SQUARE = pattern("aside", "square")  # names of the step of both axes
 _NAMED, _LENGTH, _UNKNOWN, _NO_HEIGHT = range(4)  # ranks of columns of heights
 _LONGEST_LINE = 4096  # characters of a line above a table that is searched for other statements
@@ -109,13 +100,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     for (number, line), unit in [heading for heading in headings if heading[1]][:1]:
         statement = Statement(unit, line=number, text=line.strip())
         by_meaning.setdefault("height_unit", []).append(statement)
-    # a row above the table that a word keeps out of it would be a line of the map that is lost
-    refuse_lost_row(rows, width, dialect)
-    doubts = [
-        f"{marker!r} occurs in {counted_noun(count, 'cell')} of the table and is taken as missing: "
-        "write NaN if the point is missing, or correct it"
-        for marker, count in table.spoken.items()
-    ]
+    doubts = table.notes
     check_agreement(by_meaning)
     values[(np.abs(values) > MIN_MARKER) | (values == _KEYENCE)] = np.nan  # infinite ones too
     if {line.split()[0].lower() for _, line in rows.filled} >= _ARC_INFO:
@@ -153,8 +138,8 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     points = by_meaning.get("count", [])
     counts = counts or [count.value for count in points if count.line == points[0].line]
     _refuse_cut_table(table.values.shape, counts)
-    idle_lines = _unused(rows, by_meaning, columns, dialect.delimiter)
-    return _Text(rows, table, dialect.delimiter, by_meaning, columns, doubts, idle_lines)
+    text = _Text(rows, table, dialect.delimiter, by_meaning, columns, doubts, [])
+    return text._replace(unused=_unused(text))
 
 
 def _markers(stated: Stated) -> list[float]:
@@ -162,13 +147,11 @@ def _markers(stated: Stated) -> list[float]:
     return [statement.value for statement in stated.get("missing", [])]
 
 
-def _unused(
-    rows: Rows, by_meaning: Stated, columns: list[Column] | None, delimiter: str | None
-) -> list[tuple[int, str]]:
+def _unused(table: _Text) -> list[tuple[int, str]]:
     """Return the lines above a table, with their numbers, that are no statement and name no columns."""
-    groups = (group for meaning, group in by_meaning.items() if meaning not in ("length", "size", "factor"))
+    groups = (group for meaning, group in table.stated.items() if meaning not in ("length", "size", "factor"))
     used = Counter(statement.line for group in groups for statement in group)
-    lines = ((number, line[:_LONGEST_LINE]) for number, line in rows.filled)
+    lines = ((number, line[:_LONGEST_LINE]) for number, line in table.rows.filled)
     passages = ((number, line, text) for number, line in lines for text in _PASSAGES.findall(line))
     return [
         (number, text.strip())
@@ -177,7 +160,7 @@ def _unused(
         if (number not in used or len(parse_lengths(text)) > used[number])
         # a long line of numbers says nothing
         and (text == line or 2 * len(re.findall(r"[^\W\d_]", text)) > len(text))
-        and not _names(columns or [], line, delimiter)
+        and not _names(table.columns or [], line, table.delimiter)
         and not unit_of_heights(line)
     ]
 

@@ -149,19 +149,18 @@ def _instrument(metadata: Any) -> dict:
         return {}
     instrument, probe = metadata.instrument, metadata.probing_system
     kind = _INSTRUMENT_KINDS.get(str(getattr(probe, "type", "")))
-    return instrument_metadata(
-        {
-            "kind": kind and kind.name,
-            "vendor": instrument and instrument.manufacturer,
-            "name": instrument and instrument.model,
-            "serial": instrument and instrument.serial,
-            "software": instrument and instrument.version,
-            "lens" if kind is instrument_kinds.OPTICAL else "probe": probe and probe.identification,
-            "acquisition_time": metadata.date,
-            "calibration_time": metadata.calibration_date,
-            "comment": metadata.comment,
-        }
-    )
+    facts = {
+        "kind": kind and kind.name,
+        "vendor": instrument and instrument.manufacturer,
+        "name": instrument and instrument.model,
+        "serial": instrument and instrument.serial,
+        "software": instrument and instrument.version,
+        "lens" if kind is instrument_kinds.OPTICAL else "probe": probe and probe.identification,
+        "acquisition_time": metadata.date,
+        "calibration_time": metadata.calibration_date,
+        "comment": metadata.comment,
+    }
+    return instrument_metadata(facts)
 
 
 READER = Reader(RecognisedBy.CONTENTS, recognises, read)

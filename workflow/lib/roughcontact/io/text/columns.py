@@ -13,9 +13,7 @@ _MAX_LINE_LENGTH = 4096  # characters of a line of headings
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
 _ENTRY = re.compile(r"[^\W\d][.)\]]?\s*[:=]\s*[-+.]?\d")  # a number behind a word: no heading
 # before the names
-_LABEL = re.compile(
-    r"(?:columns?|fields|formats?|spalten|colonn[ei]s?|columnas)\b\s*[:=]?\s+(?!\d)", re.IGNORECASE
-)
+_LABEL = re.compile(r"(?i)(?:columns?|fields|formats?|spalten|colonn[ei]s?|columnas)\b\s*[:=]?\s+(?!\d)")
 # above a matrix, as ``Height (nm)``, ``z/nm``
 _HEADING = re.compile(rf"[^:=\d]{{1,{_MAX_LINE_LENGTH - 1}}}(?:[)\]]|/\s*[^\W\d]+)")
 _WIDE_TABLE = 8  # columns; so many with one heading are the columns of a map

@@ -37,13 +37,10 @@ _SIDE = f"(?:{_SIDES['x']}|{_SIDES['y']})"
 _ORDER = re.compile(rf"\(?(?<!\w)(d?{_SIDE})\s*[x×,;/*]\s*(d?{_SIDE})(?!\w)\)?", re.IGNORECASE)
 # the name of a side before its number, or behind it; an x between numbers is none
 _LABEL = re.compile(
-    rf"(?:^|(?<=[,;/(]))\s*({_SIDE})\b\s*[=:]?\s*(?=[-+.\d])|(?<=\s)({_SIDE})\s*[=:]\s*(?=[-+.\d])|"
-    rf"(?:\s*[(\[]|\s+)(?:in |along |en )?({_SIDE})\b[)\]]?(?=\s*(?:$|[,;/×]|(?:x|by|and|und|et)\b))",
-    re.IGNORECASE,
+    rf"(?i)(?:^|(?<=[,;/(]))\s*({_SIDE})\b\s*[=:]?\s*(?=[-+.\d])|(?<=\s)({_SIDE})\s*[=:]\s*(?=[-+.\d])|"
+    rf"(?:\s*[(\[]|\s+)(?:in |along |en )?({_SIDE})\b[)\]]?(?=\s*(?:$|[,;/×]|(?:x|by|and|und|et)\b))"
 )
-_TWO_SIDES = re.compile(
-    rf"([^\d:=]*?[^\W\d])\W*?[\s:=]\s*((?:{_SIDE}\b\s*[=:]?\s*)?[-+.\d].*)", re.IGNORECASE
-)
+_TWO_SIDES = re.compile(rf"(?i)([^\d:=]*?[^\W\d])\W*?[\s:=]\s*((?:{_SIDE}\b\s*[=:]?\s*)?[-+.\d].*)")
 _BEFORE_A_NUMBER = re.compile(r"([^\d;,]*[^\W\d])\s+([\[(]?[-+.]?\d.*)")
 # a length among the words that name it: "rows are 0.6 µm apart", "0.4 µm per pixel"
 _AROUND = re.compile(
@@ -58,9 +55,8 @@ _NO_HEADINGS = re.compile(r"[^(\[/]*(?::|\b(?:and|und|et)\b)[^(\[/]*")
 _PIECES = re.compile(
     r"(?:[;,]|\.(?=\s+[^\W\d_]{3}))\s+(?=[^\W\d]|\d+\s*(?:[x×]\s*\d+)?\s+[^\W\d])(?![^(\[]*[)\]])"
 )
-_COUNTED = re.compile(
-    r"(\d+(?:\s*[x×]\s*\d+)?)\s+([^\W\d]+)(?:\s*(?:[x×]|\band\b|\bby\b)\s*|$)"
-)  # "18 columns"
+# "18 columns"
+_COUNTED = re.compile(r"(\d+(?:\s*[x×]\s*\d+)?)\s+([^\W\d]+)(?:\s*(?:[x×]|\band\b|\bby\b)\s*|$)")
 _MAX_UNIT = 20  # characters of a unit behind words
 _MAX_PHRASE = 200  # characters of an entry in words; the patterns take the square of their number
 NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
@@ -91,6 +87,9 @@ class Statement(NamedTuple):
 
     def __str__(self) -> str:
         return f"line {self.line} says {self.text[:LONGEST_QUOTE]!r}"
+
+
+Entries = Iterator[tuple[str, Statement]]  # with their meanings
 
 
 class Stated(dict[str, list[Statement]]):
@@ -171,7 +170,7 @@ def _asides() -> re.Pattern[str]:
     return re.compile("|".join(chain(*words("aside").values())), re.IGNORECASE)
 
 
-def _parsed(text: str, sign: str, *, alone: bool = True) -> Iterator[tuple[str, Statement]]:
+def _parsed(text: str, sign: str, *, alone: bool = True) -> Entries:
     """Yield the meanings and statements of a line, or of a piece that does not stand alone in one."""
     for key, value in _entries(text, alone=alone):
         yield from _parse_entry(key, value, sign)
@@ -371,7 +370,7 @@ def _meaning(key: str) -> str | None:
     return next(filter(None, (*composites, _MEANING.get(" ".join(bare_name.split())))), None)
 
 
-def _parse_entry(key: str, value: str, sign: str) -> Iterator[tuple[str, Statement]]:
+def _parse_entry(key: str, value: str, sign: str) -> Entries:
     """Yield the meanings and statements of one entry; none where it is not understood."""
     key, value, axes = _strip_sides(key, value.strip(' "\t;,'))  # a spreadsheet fills lines with separators
     name, opening, remainder = key.replace("[", "(").partition("(")
@@ -447,9 +446,7 @@ def _strip_sides(key: str, value: str) -> tuple[str, str, str]:
     return bare_key, _LABEL.sub(" ", bare_value).strip("[( "), axes
 
 
-def _parse_numbers(
-    meaning: str, match: re.Match[str], unit: str, sign: str
-) -> Iterator[tuple[str, Statement]]:
+def _parse_numbers(meaning: str, match: re.Match[str], unit: str, sign: str) -> Entries:
     """Yield the meaning and statement of a number at the beginning of a value; two where its units differ."""
     suffix = match.string[match.end() :].strip().strip("()[]")
     value_unit = _PER_PIXEL.sub("", suffix).partition(" ")[0].strip("()[],;")

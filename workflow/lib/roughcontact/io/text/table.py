@@ -4,7 +4,7 @@ import csv
 import re
 from array import array
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from functools import partial
 from itertools import chain, islice, takewhile, zip_longest
@@ -54,9 +54,8 @@ _MARKERS = {"", *meanings("marker")}  # an empty cell too
 # taken as missing, with a warning: they may have another meaning
 _SPOKEN = set(words("missing")["spoken"])
 _FILLING = "-*?"  # characters that stand for a missing point, repeated any number of times
-_PHRASE = re.compile(
-    rf"(?<![^\s;,])(?:{'|'.join(map(re.escape, words('missing')['phrase']))})(?=[\s;,]|$)", re.IGNORECASE
-)
+_PHRASES = "|".join(map(re.escape, words("missing")["phrase"]))
+_PHRASE = re.compile(rf"(?i)(?<![^\s;,])(?:{_PHRASES})(?=[\s;,]|$)")
 
 
 def is_missing(cell: str) -> bool:
@@ -109,7 +108,7 @@ class Table(NamedTuple):
     empty: np.ndarray  # columns (n,) without any cell
     empty_corner: bool  # the first cell is empty
     short: bool  # the first row held a word there, or lacked a cell
-    spoken: Mapping[str, int]  # words with another meaning, taken as missing -> how often
+    notes: list[str]  # on words with another meaning that are taken as missing
 
 
 class Rows(NamedTuple):
@@ -506,8 +505,13 @@ def parse_table(rows: Rows, dialect: Dialect) -> Table:
     empty = np.isnan(values).all(axis=0) & (delimiter is not None and not lacks_corner)
     for text in texts if empty.any() else ():
         empty &= [not cell.strip() for cell in text.split(delimiter)]
+    # a row above the table that a word keeps out of it would be a line of the map that is lost
+    refuse_lost_row(rows, counts[0], dialect)
+    way_out = "write NaN if the point is missing, or correct it"
+    places = [(word, f"in {counted_noun(count, 'cell')} of the table") for word, count in spoken.items()]
+    notes = [f"{word!r} occurs {where} and is taken as missing: {way_out}" for word, where in places]
     short = bool(rows.label) or lacks_corner
-    return Table(values, empty, short or not texts[0].split(delimiter)[0].strip(), short, spoken)
+    return Table(values, empty, short or not texts[0].split(delimiter)[0].strip(), short, notes)
 
 
 def _drop_closing_separators(texts: list[str], delimiter: str, heading: str) -> list[str]:
