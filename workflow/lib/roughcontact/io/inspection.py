@@ -88,15 +88,9 @@ def inspect_file(
 def inspect_heights(path: Path, request: Request) -> tuple[dict, np.ndarray | None]:
     """Return the content of a file, and the heights (ny, nx; m) of `read_height_map`, None where it fails."""
     with naming(path), closing(open_file(path)) as file:
-        content = {
-            "file": path.name,
-            "bytes": path.stat().st_size,
-            "sha256": sha256(path),
-            "format": file.format,
-            "first_row": file.first_row,
-            "first_row_assumed": file.first_row_assumed,
-            "instrument": file.instrument,
-        }
+        content = {"file": path.name, "bytes": path.stat().st_size, "sha256": sha256(path)}
+        stated = ("format", "first_row", "first_row_assumed", "instrument")
+        content |= {key: getattr(file, key) for key in stated}
         map_content, heights = _map(path, request, file)
         channels = list(_descriptions(file.channels, path, chosen=map_content["channel"]))
     return content | map_content | {"channels": channels}, heights
@@ -115,15 +109,9 @@ def _map(path: Path, request: Request, file: MeasuredFile) -> tuple[dict, np.nda
         name = first_channel if request.channel is None else None
         return content | {"channel": name, "problem": str(error), "needed": list(error.keys)}, None
     doubts = suspicions(result.heights, result.dx, result.dy, kind=file.kind)
-    return content | {
-        "channel": result.channel.name,
-        "channel_choice": result.choice,
-        "map": _measured(result),
-        "warnings": [*result.notes, *map(str, doubts)],
-        "sources": result.sources,
-        "first_row": result.first_row,
-        "first_row_assumed": result.first_row_assumed,
-    }, result.heights
+    content |= {"channel": result.channel.name, "channel_choice": result.choice, "map": _measured(result)}
+    content |= {key: getattr(result, key) for key in ("sources", "first_row", "first_row_assumed")}
+    return content | {"warnings": [*result.notes, *map(str, doubts)]}, result.heights
 
 
 def _measured(result: Converted) -> dict:
@@ -137,31 +125,27 @@ def _measured(result: Converted) -> dict:
 
 
 def _descriptions(channels: list[Channel], path: Path, *, chosen: str | None) -> Iterator[dict]:
-    """Yield properties of the channels; of large ones, and of many, the chosen one alone is read."""
+    """Yield properties of the channels, in the units of the file, with those of the heights that are read.
+
+    Of large channels, and of many, the chosen one alone is read.
+    """
     total = 0
     for channel in channels:
-        points = prod(channel.shape)
+        (ny, nx), points = channel.shape, prod(channel.shape)
         total += points
-        is_small = points <= _LARGE and total <= MAX_POINTS
-        yield _described(channel, path, read=is_small or channel.name == chosen)
-
-
-def _described(channel: Channel, path: Path, *, read: bool) -> dict:
-    """Return properties of a channel, in the units of the file, those of its heights where these are read."""
-    ny, nx = channel.shape
-    scale = {key: getattr(channel, key) for key in ("dx", "dy", "lateral_unit", "height_unit")}
-    properties = {"name": channel.name, "ny": ny, "nx": nx, **scale}
-    properties |= {"is_height": not channel.no_height, "reason": channel.no_height}
-    if channel.no_height or not read:
-        return properties
-    try:
-        with naming(path):
-            values = channel.read()
-    except InputFileError as error:
-        return properties | {"reason": str(error)}
-    if np.isfinite(values).any():
-        properties |= _extent(values) | {"rms_height": float(np.nanstd(values))}
-    return properties
+        properties = {"name": channel.name, "ny": ny, "nx": nx}
+        properties |= {key: getattr(channel, key) for key in ("dx", "dy", "lateral_unit", "height_unit")}
+        properties |= {"is_height": not channel.no_height, "reason": channel.no_height}
+        is_read = (points <= _LARGE and total <= MAX_POINTS) or channel.name == chosen
+        if is_read and not channel.no_height:
+            try:
+                with naming(path):
+                    values = channel.read()
+                if np.isfinite(values).any():
+                    properties |= _extent(values) | {"rms_height": float(np.nanstd(values))}
+            except InputFileError as error:
+                properties["reason"] = str(error)
+        yield properties
 
 
 def _extent(heights: np.ndarray) -> dict:

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io import instrument_kinds
+from roughcontact.io import hdf5, instrument_kinds
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, as_heights, unreadable
 from roughcontact.io.guards import brief, check_points
 from roughcontact.io.instruments import containers
@@ -81,6 +81,8 @@ def read_instrument(path: Path) -> MeasuredFile:
     head = read_head(path)
     if head.startswith(containers.TIFF):
         containers.check_tiff(path)
+    if head.startswith(hdf5.MARK):  # links into other files are refused before the library follows them
+        hdf5.datasets(path)
     formats = marked(head) or [format_ for format_ in FORMATS if not format_.marks]
     if head.startswith(containers.ZIP):
         names = containers.formats_within(path)
@@ -106,7 +108,9 @@ def read_instrument(path: Path) -> MeasuredFile:
     if failures and marked(head):
         candidate, reason = failures[0]
         wrong = f"looks like {candidate}, but is damaged, cut off or of a kind that holds no map"
-        raise InputFileError(f"{wrong} ({_message(reason)})") from reason
+        has_number = isinstance(reason, OSError) and reason.errno is not None  # of the operating system
+        cause = "it refers to a place outside the file" if has_number else brief(reason)
+        raise InputFileError(f"{wrong} ({cause})") from reason
     wrong = "the format is not known, or the file is damaged (recognised by content, not by extension)"
     way_out = "export the map as X3P, SDF, netCDF or a text matrix with its size and units"
     hint = _FILM if path.suffix.lower() == ".asd" else ""
@@ -117,13 +121,6 @@ def _is_foreign(file_format: Format, error: Exception) -> bool:
     """Return whether an error shows that a container holds something else than this format."""
     without_tags = isinstance(error, IndexError | KeyError | AttributeError | TypeError)
     return file_format.name == "mitutoyo" or (file_format.marks == containers.TIFF and without_tags)
-
-
-def _message(error: Exception) -> str:
-    """Return the message of a library's error, without error numbers of the operating system."""
-    if isinstance(error, OSError) and error.errno is not None:
-        return "it refers to a place outside the file"
-    return brief(error)
 
 
 @contextmanager

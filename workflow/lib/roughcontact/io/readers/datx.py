@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from roughcontact.io import hdf5
-from roughcontact.io.channels import MeasuredFile
-from roughcontact.io.instruments.library import instrument_reader, read_instrument
+from roughcontact.io.instruments.library import instrument_reader
 from roughcontact.io.interface import RecognisedBy
 
 
@@ -13,11 +12,4 @@ def recognises(path: Path, head: bytes) -> bool:
     return hdf5.holds(path, head, lambda file: "MetaData" in file)
 
 
-def read(path: Path) -> MeasuredFile:
-    """Open a file with SurfaceTopography."""
-    # for its checks alone: links into other files are refused before the library follows them
-    hdf5.datasets(path)
-    return read_instrument(path)
-
-
-READER = instrument_reader(RecognisedBy.CONTENTS, recognises, read=read)
+READER = instrument_reader(RecognisedBy.CONTENTS, recognises)

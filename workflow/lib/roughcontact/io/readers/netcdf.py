@@ -42,14 +42,18 @@ def read(path: Path) -> MeasuredFile:
     There is one channel for each variable over two axes (y, x), or one that is no time, load, peak of the
     load or sliding distance, and for each index of a third; those named height, heights or z come first.
     """
+    import xarray as xr
+
     head = read_head(path)
     seal_size = check_seal(path)
     required_size = classic.check_header(path) if head.startswith(classic.MARKS) else hdf5.stated_size(path)
     arrays = hdf5.datasets(path) if head.startswith(hdf5.MARK) else {}
+    options: Any = {"decode_times": False, "decode_timedelta": False, "cache": False}
     # closed only after a failure: channels read from the open dataset, until the file is closed
     with refusing(_DAMAGED), ExitStack() as after_failure:
         too_long = _oversized_variables(path)
-        dataset = after_failure.enter_context(_dataset(path, list(too_long)))
+        dataset = xr.open_dataset(path, engine="netcdf4", drop_variables=list(too_long), **options)
+        after_failure.enter_context(dataset)
         channels = counted_channels(_channels(dataset))
         instrument = _instrument(dataset)
         names = sorted(map(str, dataset.variables))
@@ -79,14 +83,6 @@ def _instrument(dataset: Any) -> dict[str, Any]:
         attrs = map_attributes(dataset["height"].attrs)
         return dict(Measurement.read({"instrument": attrs["instrument"]}).instrument)
     return instrument_metadata({}, dataset.attrs)
-
-
-def _dataset(path: Path, excluded: list[str]) -> Any:
-    """Return a file as a dataset, which channels read from until `MeasuredFile.close`."""
-    import xarray as xr
-
-    options: Any = {"decode_times": False, "decode_timedelta": False, "cache": False}
-    return xr.open_dataset(path, engine="netcdf4", drop_variables=excluded, **options)
 
 
 def _oversized_variables(path: Path) -> dict[str, tuple[int, ...]]:

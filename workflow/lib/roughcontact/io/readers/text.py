@@ -504,7 +504,7 @@ def _trace(channel: Channel, x: np.ndarray, text: _Text) -> Channel:
         channel.dx = rounded_step(x)
         if channel.dx is None:
             return replace(scattered(channel, x, None, heights, str(error)), otherwise=_as_matrix(text))
-        channel.notes.append("the positions are even up to the rounding of their last digit in the file")
+        channel.notes.append("positions, even up to the rounding of their last digit, are taken as even")
     if wrong := _contradictions(text, {"dx": channel.dx}, channel.lateral_unit, channel.shape):
         channel.notes.append(f"{wrong}; the positions are used")
     channel.first_x = float(x[0])
