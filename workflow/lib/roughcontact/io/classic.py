@@ -103,9 +103,8 @@ def _stated_size(header: _Header) -> int | None:
     # the records of a single variable are not padded (the specification's exception)
     padding = 4 if len(record_sizes) > 1 else 1
     step = sum(length + -length % padding for _, length in record_sizes)
-    last = [
-        (start + step * (records - 1), length) for start, length in record_sizes if records and not streaming
-    ]
+    has_last = records and not streaming
+    last = [(start + step * (records - 1), length) for start, length in record_sizes if has_last]
     stop = max([header.stream.tell(), *map(sum, fixed_sizes + last)])
     _require(stop <= header.size, "numbers lie behind the end of the file")
     return None if streaming and record_sizes else min(stop + -stop % 4, header.size)

@@ -59,7 +59,7 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
     # before the points are interpolated: a marker among them would spread into the heights around it
     channel, marker_notes = _drop_markers(channel, request)
     channel, request, resampling = resample_evenly(channel, request)
-    scale = decide_scale(channel, request)
+    steps, factor, scale_notes = decide_scale(channel, request)
     numbers = channel.read()
     for marker in _USUAL_MARKERS if request.missing_value is None else ():
         if (count := np.count_nonzero(numbers == marker)) > 1:
@@ -67,16 +67,15 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
             notes.append(f"{count} points are {marker:g}: {missing}")
     # formats other than text have places for positions: what looks like them is only named
     if axes := find_axes(numbers):
-        notes.append(axes.note.replace("is taken as", "may be").replace(", and left out", ""))
+        notes.append(axes[2].replace("is taken as", "may be").replace(", and left out", ""))
     with np.errstate(over="ignore"):  # infinite heights are refused below
-        heights = _checked(numbers * scale.height_factor)
-    steps, factor = (scale.dx, scale.dy), scale.height_factor
+        heights = _checked(numbers * factor)
     header_lines, doubts = lines_not_used(channel, request, steps, factor, numbers)
     origins = sources(file, channel, request) | {"not used": header_lines}
     first_row, is_assumption, turn_notes = _first_row(file, channel, request)
     if first_row == "top":
         heights = np.ascontiguousarray(heights[::-1])
-    facts = [*marker_notes, *resampling, *scale.notes, *turn_notes]
+    facts = [*marker_notes, *resampling, *scale_notes, *turn_notes]
     notes += [*unit_notes, *doubts, *facts]
     return Converted(channel, choice, heights, *steps, notes, facts, origins, first_row, is_assumption)
 

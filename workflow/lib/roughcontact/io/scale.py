@@ -3,8 +3,6 @@
 The user overrides the file, with a note where they differ. Missing values are never guessed.
 """
 
-from typing import NamedTuple
-
 from roughcontact.arguments.checking import check_positive
 from roughcontact.arguments.si import convert_quantity
 from roughcontact.arguments.units import carries_unit
@@ -19,25 +17,18 @@ _WIDE_PIXEL = 1.5  # dx over dy of lines that may be halves of longer ones
 _MIN_LINES = 10  # of a matrix whose pixels reveal that it was cut off
 
 
-class Scale(NamedTuple):
-    """Steps and height unit of one map."""
+def decide_scale(channel: Channel, request: Request) -> tuple[tuple[float, float], float, list[str]]:
+    """Return the steps (dx, dy; m) of a channel on an even grid, the metres per unit of its heights, notes.
 
-    dx: float  # m; of a profile without `dy` both are `dx`
-    dy: float  # m
-    height_factor: float  # metres per unit of the file's heights
-    notes: list[str]  # arguments of the user that contradict the file
-
-
-def decide_scale(channel: Channel, request: Request) -> Scale:
-    """Return the scale of a channel on an even grid, from the arguments of the user and the file.
+    They are those of the user, else of the file; the notes are arguments that contradict it. Of a profile
+    without a step along y both steps are that along x.
 
     Examples
     --------
     >>> said = Channel("height", (3, 4), lambda: None, height_unit="nm", dx=2.0, dy=2.0, lateral_unit="um")
-    >>> scale = decide_scale(said, Request(dx=5.0, unit="um"))
-    >>> scale.dx, scale.dy, scale.height_factor
-    (4.9999999999999996e-06, 2e-06, 1e-09)
-    >>> scale.notes
+    >>> decide_scale(said, Request(dx=5.0, unit="um"))[:2]
+    ((4.9999999999999996e-06, 2e-06), 1e-09)
+    >>> decide_scale(said, Request(dx=5.0, unit="um"))[2]
     ['dx = 5e-06 m as given by the user, where the file says 2e-06 m']
     """
     if channel.no_height and request.height_unit is None and not is_length(channel.height_unit):
@@ -59,8 +50,7 @@ def decide_scale(channel: Channel, request: Request) -> Scale:
         _refuse_cut_matrix(channel, dx, dy)
         if dx > _WIDE_PIXEL * dy:
             notes.append(f"pixels of {dx / dy:.3g} : 1 by the size alone: check whether lines were wrapped")
-    height_factor = _height_factor(channel, request, (dx, dy), notes)
-    return Scale(dx, dy, height_factor, notes)
+    return (dx, dy), _height_factor(channel, request, (dx, dy), notes), notes
 
 
 def given_steps(request: Request) -> tuple[float | None, float | None]:

@@ -25,15 +25,13 @@ from roughcontact.io.vocabulary import pattern, rows_of, words
 THINGS = {column: names[0] for column, names in words("thing").items()}
 _SAYS = {matter: pattern("aside", matter) for matter in words("aside")}
 _NO_HEIGHTS = re.compile(  # "Data type: phase", "Slope in mrad"
-    rf"(?:data|signal|type|image|quantity|values)\W*(?:[:=]|are)\W*(?:{NO_TOPOGRAPHY.pattern})|"
-    rf"^\W*(?:{NO_TOPOGRAPHY.pattern})\w*\s+(?:in\b|[\[(])",
-    re.IGNORECASE,
+    rf"(?i)(?:data|signal|type|image|quantity|values)\W*(?:[:=]|are)\W*(?:{NO_TOPOGRAPHY.pattern})|"
+    rf"^\W*(?:{NO_TOPOGRAPHY.pattern})\w*\s+(?:in\b|[\[(])"
 )
 _DENIED = re.compile(r"\b(?:no|none|false|off|nein|non|0)\W*$", re.IGNORECASE)
-_QUANTITY = re.compile(rf"(?:(?P<number>(?>{NUMBER.pattern}))\s*|(?<!\w))(?P<unit>[^\W\d_]+)(?![\w^])")
-_SIDES = re.compile(
-    rf"(?<![\w.,])((?>{NUMBER.pattern}))\s*(?:[x×*/,;|]|by)\s*((?>{NUMBER.pattern}))\s*([^\W\d_]+)"
-)
+_NUMBER = rf"(?>{NUMBER.pattern})"
+_QUANTITY = re.compile(rf"(?:(?P<number>{_NUMBER})\s*|(?<!\w))(?P<unit>[^\W\d_]+)(?![\w^])")
+_SIDES = re.compile(rf"(?<![\w.,])({_NUMBER})\s*(?:[x×*/,;|]|by)\s*({_NUMBER})\s*([^\W\d_]+)")
 _PER = re.compile(r"\d\s*[^\W\d_]+\s*/\s*\Z")  # before a unit, as in 40 N/m
 _SPEED = re.compile(r"\s*/\s*(?:s|sec|min|h)\b")
 _PLAIN = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
@@ -113,11 +111,8 @@ def quoted(channel: Channel, request: Request) -> str:
 def says_another_unit(channel: Channel, request: Request, lengths_used: Sequence[float]) -> bool:
     """Return whether a line that nothing uses has another unit than that of the user for x and y."""
     factor = metres(str(request.unit), where="unit", error=SettingsError)
-    return any(
-        metres(length.unit) != factor and not length.agrees(lengths_used)
-        for _, lengths in open_lines(channel, request)
-        for length in lengths
-    )
+    lengths = (length for _, lengths in open_lines(channel, request) for length in lengths)
+    return any(metres(length.unit) != factor and not length.agrees(lengths_used) for length in lengths)
 
 
 def _matters(text: str) -> set[str]:
@@ -197,9 +192,8 @@ def lines_not_used(
     extremes = [finite.min(), finite.max(), np.ptp(finite), 1.0] if finite.size else []
     sides = [dx, dy, nx * dx, ny * dy, (nx - 1) * dx, (ny - 1) * dy]
     lengths_used = [*sides, *(height_factor * height for height in extremes)]
-    stated_above = not request.has_steps(channel.shape) and any(
-        "line" in channel.sources.get(step, "") for step in ("dx", "dy")
-    )
+    step_sources = channel.sources.get("dx", "") + channel.sources.get("dy", "")
+    stated_above = "line" in step_sources and not request.has_steps(channel.shape)
     has_positions = "positions" in channel.sources.values()
     lateral_factor = metres(unit) if is_length(unit := channel.lateral_unit or request.unit) else None
     texts = {"dx": quantity(dx, "m"), "dy": quantity(dy, "m")}
@@ -239,9 +233,7 @@ def lines_not_used(
             and ("elsewhere" not in matters or length.value != length.value)
         }
         own_factor = lateral_factor if "lateral" in matters else height_factor
-        other_unit = (
-            bare and own_factor and (own_factor not in bare or not bare <= {lateral_factor, height_factor})
-        )
+        is_other = own_factor not in bare or not bare <= {lateral_factor, height_factor}
         is_denied = _DENIED.search(text)
         # what the line may concern, as in the table of doubts
         applies = {
@@ -257,17 +249,16 @@ def lines_not_used(
             or (has_positions and strange and "step" in matters)
             or strange_count
             or (strange_points and is_count),
-            "unit": other_unit
+            "unit": (bare and own_factor and is_other)
             or ("fraction" in matters and lengths)
             or ("scaled" in matters and not {*values} <= {0.0, 1.0}),
         }
         # a line is quoted once
         if doubt := next((_DOUBTS[matter] for matter in _DOUBTS if applies[matter]), None):
-            keys, words_of_doubt = doubt
             count = beyond_count or marker_count
             points = f"there {'is' if count == 1 else 'are'} {counted_noun(count, 'point')}"
-            sentence = words_of_doubt.format(number=number, text=text[:LONGEST_QUOTE], points=points, **texts)
-            if keys:
+            sentence = doubt[1].format(number=number, text=text[:LONGEST_QUOTE], points=points, **texts)
+            if keys := doubt[0]:
                 raise InputFileError(sentence, keys=keys)
             notes.append(sentence)
     return listing, notes

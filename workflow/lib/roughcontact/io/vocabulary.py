@@ -19,9 +19,8 @@ def marks(listed: str) -> tuple[bytes, ...]:
     >>> marks(r"II*\x00 KPK0")
     (b'II*\x00', b'KPK0')
     """
-    return tuple(
-        mark.encode().decode("unicode_escape").encode("latin-1") for mark in listed.split(" ") if mark
-    )
+    texts = (mark.encode().decode("unicode_escape") for mark in listed.split(" ") if mark)
+    return tuple(text.encode("latin-1") for text in texts)
 
 
 @cache

@@ -24,15 +24,12 @@ def sections(header: bytes) -> list[dict[str, str]]:
     >>> sections(b"\\*Ciao scan list\r\n\\Samps/line: 512\r\n\\*File list end")
     [{'name': 'ciao scan list', 'samps/line': '512'}]
     """
-    text = header.partition(END)[0].decode("latin-1")
-    return [
-        {"name": body.partition("\n")[0].strip().lower()}
-        | {
-            key.lower(): value.strip()
-            for key, value in re.findall(r"^\\([^:\r\n]+): ?(.*)$", body, re.MULTILINE)
-        }
-        for body in text.split("\\*")[1:]
-    ]
+    parsed = []
+    for body in header.partition(END)[0].decode("latin-1").split("\\*")[1:]:
+        entries = re.findall(r"^\\([^:\r\n]+): ?(.*)$", body, re.MULTILINE)
+        name = body.partition("\n")[0].strip().lower()
+        parsed.append({"name": name} | {key.lower(): value.strip() for key, value in entries})
+    return parsed
 
 
 def with_micro_signs(path: Path) -> str | io.BytesIO:
@@ -73,9 +70,8 @@ def corrected(channels: list[Any], path: Path) -> list[str]:
         points = f"{image['samps/line']} x {image['number of lines']} points on {image['scan size']}"
         data = f"{lines} lines of {nx}, on {number(x)} x {number(length)} {unit}"
         notes.append(f"the header states {points}; the data are {data}")
-        attributes = {
-            name: getattr(info, name) for name in ("name", "height_scale_factor", "unit", "info", "tags")
-        }
+        names = ("name", "height_scale_factor", "unit", "info", "tags")
+        attributes = {name: getattr(info, name) for name in names}
         grid = {"dim": 2, "nb_grid_pts": (nx, lines), "physical_sizes": (x, length)}
         channels[index] = ChannelInfo(info.reader, index, periodic=False, uniform=True, **grid, **attributes)
     return list(dict.fromkeys(notes))

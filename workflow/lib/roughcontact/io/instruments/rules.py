@@ -19,9 +19,7 @@ from roughcontact.io.instruments import nanoscope
 from roughcontact.io.instruments.containers import tiff_end, tiff_tags
 
 INVERTED = "the header says that the map was inverted or mirrored: check that peaks point up"
-IMPRINT = (
-    "the header says that an imprint (replica) was measured: hills of the map are valleys of the surface"
-)
+IMPRINT = "the header says that an imprint (replica) was measured: its hills are valleys of the surface"
 Header = Mapping[str, Any]
 _PARK_DATA = 50434  # tag of TIFF
 _DATE_OF_NANOFOCUS = 1076  # position in the header, bytes
@@ -159,10 +157,8 @@ def _wyko_instrument(data: mmap.mmap) -> dict[str, Any]:
 def _bruker_size(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count up to the end of the last block that a section of the header places."""
     blocks = nanoscope.sections(data[: max(0, data.find(nanoscope.END))])
-    return max(
-        (int(block["data offset"]) + int(block["data length"]) for block in blocks if "data offset" in block),
-        default=None,
-    )
+    placed = (block for block in blocks if "data offset" in block)
+    return max((int(block["data offset"]) + int(block["data length"]) for block in placed), default=None)
 
 
 def _nanosurf_size(data: mmap.mmap, header: Header, points: int) -> int | None:

@@ -15,9 +15,8 @@ _ROWS = [(marks(mark), in_text == "yes", advice) for mark, in_text, advice in ro
 def _description(head: bytes) -> str | None:
     """Return the kind of a file that begins so, and advice; None for another format."""
     binary = not looks_like_text(head)
-    return next(
-        (advice for mark, in_text, advice in _ROWS if head.startswith(mark) and (in_text or binary)), None
-    )
+    matching = (advice for mark, in_text, advice in _ROWS if head.startswith(mark) and (in_text or binary))
+    return next(matching, None)
 
 
 def recognises(path: Path, head: bytes) -> bool:

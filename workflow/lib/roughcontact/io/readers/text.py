@@ -27,7 +27,7 @@ from roughcontact.io.text.columns import Column, are_map_columns, headed, layout
 from roughcontact.io.text.doubts import thousands
 from roughcontact.io.text.header import LENGTHS, Stated, Statement, check_agreement, contradiction, statements
 from roughcontact.io.text.lines import looks_like_text, read_text
-from roughcontact.io.text.table import Dialect, Rows, Table, left_out, parse_table, split_text
+from roughcontact.io.text.table import Dialect, Rows, left_out, parse_table, split_text
 from roughcontact.io.text.traces import are_traces, runs, turn
 from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import pattern, words
@@ -55,12 +55,14 @@ class _Text(NamedTuple):
     """One table of a text, its rows, and what the lines above them state."""
 
     rows: Rows
-    table: Table
+    values: np.ndarray
+    empty: np.ndarray  # columns (n,) without any cell
+    empty_corner: bool  # the first cell is empty
+    short: bool  # the first row held a word there, or lacked a cell
     delimiter: str | None
     stated: Stated
     columns: list[Column] | None
     doubts: list[str]
-    unused: list[tuple[int, str]]  # lines of the header, with their numbers
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -91,23 +93,22 @@ def parsed(content: str) -> MeasuredFile:
 
 def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     """Return one table with its statements, and warnings about its numbers."""
-    table = parse_table(rows, dialect)
-    values, width = table.values, table.values.shape[1]
+    values, empty, empty_corner, short, doubts = parse_table(rows, dialect)
+    width = values.shape[1]
     sign = "," if dialect.decimal_comma else "." if any("." in line for line in rows.texts) else ""
     by_meaning = statements(rows.heading, start=rows.first, sign=sign)
     # from the table upwards: of several headings the nearest is that of the heights
-    headings = ((each, unit_of_heights(each[1])) for each in rows.filled[: -_MAX_DISTANCE - 1 : -1])
-    for (number, line), unit in [heading for heading in headings if heading[1]][:1]:
-        statement = Statement(unit, line=number, text=line.strip())
-        by_meaning.setdefault("height_unit", []).append(statement)
-    doubts = table.notes
+    lines = ((*each, unit_of_heights(each[1])) for each in rows.filled[: -_MAX_DISTANCE - 1 : -1])
+    for number, line, unit in islice((heading for heading in lines if heading[2]), 1):
+        by_meaning.setdefault("height_unit", []).append(Statement(unit, line=number, text=line.strip()))
     check_agreement(by_meaning)
     values[(np.abs(values) > MIN_MARKER) | (values == _KEYENCE)] = np.nan  # infinite ones too
     if {line.split()[0].lower() for _, line in rows.filled} >= _ARC_INFO:
         by_meaning.setdefault("missing", [Statement(-9999.0)])  # by default of the format
-    doubts += thousands(by_meaning, rows.texts[table.empty_corner :], dialect)  # without positions
+    doubts += thousands(by_meaning, rows.texts[empty_corner:], dialect)  # without positions
     # a range of heights that is that of the numbers has their unit: no other line needs to say it
-    finite = values[np.isfinite(values) & ~np.isin(values, _markers(by_meaning))]
+    markers = [statement.value for statement in by_meaning.get("missing", [])]
+    finite = values[np.isfinite(values) & ~np.isin(values, markers)]
     span = np.ptp(finite) if finite.size else 0.0
     for extent in by_meaning.get("height_range", ())[:1]:
         if extent.unit and abs(extent.value - span) <= 0.01 * span:  # in the unit of the heights
@@ -117,18 +118,18 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         named = headed(rows.heading, width - 1, dialect.delimiter)  # R numbers its rows, below no heading
         columns = [Column("", None, "index"), *named] if named else None
     # empty columns beside the map are a spreadsheet's; where a size is stated they may be part of the map
-    if table.empty.any() and not {"length_x", "length_y", "nx", "ny"} & {*by_meaning}:
-        occupied = slice(*(np.flatnonzero(~table.empty)[[0, -1]] + (0, 1)))
-        corner = bool(np.isnan(values[0, occupied.start])) if occupied.start else table.empty_corner
-        table = table._replace(values=values[:, occupied], empty=table.empty[occupied], empty_corner=corner)
+    if empty.any() and not {"length_x", "length_y", "nx", "ny"} & {*by_meaning}:
+        occupied = slice(*(np.flatnonzero(~empty)[[0, -1]] + (0, 1)))
+        empty_corner = bool(np.isnan(values[0, occupied.start])) if occupied.start else empty_corner
+        values, empty = values[:, occupied], empty[occupied]
         if columns:
             columns = columns[occupied]
-        elif omitted := width - table.empty.size:
+        elif omitted := width - empty.size:
             doubts.append(left_out(omitted, "column"))
-            columns = headed(rows.heading, table.empty.size, dialect.delimiter)
+            columns = headed(rows.heading, empty.size, dialect.delimiter)
     above = rows.filled[-1][1] if rows.filled else ""
     units = above.split()
-    if table.empty_corner and len(units) == 3 < width and all(map(is_length, units)):  # FemtoScan: of x, y, z
+    if empty_corner and len(units) == 3 < width and all(map(is_length, units)):  # FemtoScan: of x, y, z
         x, y, z = (Statement(unit, line=rows.filled[-1][0], text=above) for unit in units)
         by_meaning |= {"lateral_unit": [x, *[y] * same_length(x.value, y.value)], "height_unit": [z]}
     elif not columns and (name_count := miscounted(above, width, dialect.delimiter)):
@@ -137,14 +138,9 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     # "256 192" in one line counts both sides; counts in several lines may be of several things
     points = by_meaning.get("count", [])
     counts = counts or [count.value for count in points if count.line == points[0].line]
-    _refuse_cut_table(table.values.shape, counts)
-    text = _Text(rows, table, dialect.delimiter, by_meaning, columns, doubts, [])
-    return text._replace(unused=_unused(text))
-
-
-def _markers(stated: Stated) -> list[float]:
-    """Return the numbers that mark missing points."""
-    return [statement.value for statement in stated.get("missing", [])]
+    _refuse_cut_table(values.shape, counts)
+    delimiter = dialect.delimiter
+    return _Text(rows, values, empty, empty_corner, short, delimiter, by_meaning, columns, doubts)
 
 
 def _unused(table: _Text) -> list[tuple[int, str]]:
@@ -169,18 +165,15 @@ def _names(columns: list[Column], line: str, delimiter: str | None) -> bool:
     """Return whether a line has the names of some columns, or their units; others may be as many words."""
     cells = headed([line], len(columns), delimiter) if columns else None
     pairs = zip(cells or (), columns, strict=False)
-    return cells is not None and all(
-        cell.name in ("", column.name) and cell.unit in (None, column.unit) for cell, column in pairs
-    )
+    same = (cell.name in ("", column.name) and cell.unit in (None, column.unit) for cell, column in pairs)
+    return cells is not None and all(same)
 
 
 def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
     """Return the tables of one text as channels of one file."""
     titles = [text.stated.first("channel") or _title(text) for text in texts]
-    has_heading = [
-        bool(text.stated or text.columns or (titles[0] and title))
-        for text, title in zip(texts, titles, strict=True)
-    ]
+    pairs = zip(texts, titles, strict=True)
+    has_heading = [bool(text.stated or text.columns or (titles[0] and title)) for text, title in pairs]
     if not all(has_heading[1:]) and (has_heading[0] or not texts[0].rows.filled):
         number, _ = texts[has_heading.index(False, 1)].rows.start
         raise InputFileError(f"{_second_table(number)}, or give each a heading of its own")
@@ -209,7 +202,7 @@ def _second_table(line: int) -> str:
 
 def _title(text: _Text) -> str:
     """Return the line next above a table that is neither an entry of a header nor names its columns."""
-    width = text.table.values.shape[1]
+    width = text.values.shape[1]
     for line in reversed(text.rows.heading):
         title = line.strip('#%;!," \t\r')
         if title and not statements([line]) and not headed([line], width, text.delimiter):
@@ -219,7 +212,7 @@ def _title(text: _Text) -> str:
 
 def _file(text: _Text) -> MeasuredFile:
     """Return the file contents; header and headings decide on its kind, then the form of the columns."""
-    values, columns = text.table.values, text.columns
+    values, columns = text.values, text.columns
     rows, count = values.shape
     groups = layout(columns) if columns else None
     if columns and not groups and any(column.name for column in columns) and not are_map_columns(columns):
@@ -228,15 +221,12 @@ def _file(text: _Text) -> MeasuredFile:
         way_out = "name them x, y and z, in the line above the table, or delete that line above"
         raise InputFileError(f"{wrong}; {way_out} the heights of a map")
     # an empty corner tells positions beside a matrix from headings that name its columns
-    has_positions = text.table.empty_corner and find_axes(values, corner=True) is not None
+    has_positions = text.empty_corner and find_axes(values, corner=True) is not None
     if groups and not has_positions:
         return _lists(text, groups)
-    if count == 1:
-        is_list = rows > 1 and text.stated.first("nx") != 1
-    else:
-        narrow = count <= 3 and rows > 2 and not has_positions
-        is_list = narrow and not _is_stated_matrix(values, text.stated)
-    if is_list:
+    is_column = count == 1 < rows and text.stated.first("nx") != 1
+    is_narrow = 1 < count <= 3 and rows > 2 and not has_positions
+    if is_column or (is_narrow and not _is_stated_matrix(values, text.stated)):
         return _lists(text, [[*range(count)]])
     if text.rows.broken:
         between = np.array(text.rows.lines) - text.rows.lines[0]
@@ -245,23 +235,23 @@ def _file(text: _Text) -> MeasuredFile:
             raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a row is missing")
         whole = np.full((between[-1] + 1, count), np.nan)  # as many rows as are stated
         whole[between] = values
-        text = text._replace(table=text.table._replace(values=whole))
+        text = text._replace(values=whole)
     return _matrix_beside(text)
 
 
 def _matrix_beside(text: _Text) -> MeasuredFile:
     """Return a matrix of heights without the positions in its first row and column."""
-    values = text.table.values
+    values = text.values
     ny, nx = values.shape
     if row := begins_anew(values):
         way_out = "points, then name the columns in a line above them (x, y, z), or a second table, then"
         raise InputFileError(f"positions begin anew at line {text.rows.lines[row]}: {way_out} {_LEAVE_ONE}")
     first_line = f"line {text.rows.lines[0]}"
-    if begins_anew(values.T) or text.table.empty[1:-1].any():
+    if begins_anew(values.T) or text.empty[1:-1].any():
         wrong = f"{first_line} begins anew, or has an empty column: maps beside one another"
         raise InputFileError(f"{wrong}; {_LEAVE_ONE}, or write NaN where a column is missing")
     unit, note = _unit_in_corner(text.rows.label)
-    axes = find_axes(values, corner=text.table.empty_corner, positions=bool(unit))
+    axes = find_axes(values, corner=text.empty_corner, positions=bool(unit))
     if are_points(values.T):
         raise InputFileError(f"{first_line} holds positions: write the points in columns, x, (y,) z")
     if axes is None and (line := uneven(values)):
@@ -269,19 +259,20 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
         raise InputFileError(f"{wrong}: delete it if it holds none, or write the points as a list x, y, z")
     # a header that counts the first row and column with the heights says that they are heights
     if axes is None or (text.stated.first("ny"), text.stated.first("nx")) == (ny, nx):
-        if text.table.short:
+        if text.short:
             raise InputFileError(f"{first_line} has {nx - 1} numbers where the others have {nx}")
         return _matrix(values, text)
-    file = _matrix(axes.values, text, axes.steps, lateral_unit=unit if len(axes.steps) == 2 else None)
+    heights, steps, description = axes
+    file = _matrix(heights, text, steps, lateral_unit=unit if len(steps) == 2 else None)
     (channel,) = file.channels
-    file.warnings.append(axes.note + (note if channel.lateral_unit is None else ""))
-    if "dy" in axes.steps:
+    file.warnings.append(description + (note if channel.lateral_unit is None else ""))
+    if "dy" in steps:
         file.first_row, file.first_row_assumed = "bottom", False
     if channel.doubt:
         return file
-    may_be_profiles = len(axes.values) == ny and nx < _MANY_PROFILES
-    if wrong := _contradictions(text, axes.steps, None, channel.shape):
-        channel.doubt = f"{axes.note}: {wrong}; correct the file, or {channel.scale_advice}"
+    may_be_profiles = len(heights) == ny and nx < _MANY_PROFILES
+    if wrong := _contradictions(text, steps, None, channel.shape):
+        channel.doubt = f"{description}: {wrong}; correct the file, or {channel.scale_advice}"
     elif may_be_profiles and not {"length_y", "dy", "step", "ny"} & {*text.stated}:
         profiles = f"of {counted_noun(nx - 1, 'profile')}, then name the columns in a line above them"
         rows = f"of the rows of a map, then {channel.scale_advice}"
@@ -322,8 +313,8 @@ def _contradictions(text: _Text, steps: dict[str, float], unit: str | None, shap
 
 def _lists(text: _Text, groups: list[list[int]]) -> MeasuredFile:
     """Return lists of points or profiles: one for each column of heights, and each trace in it."""
-    columns = text.columns or [Column("", None, "")] * text.table.values.shape[1]
-    values, usual_name = text.table.values, text.stated.first("channel") or "height"
+    columns = text.columns or [Column("", None, "")] * text.values.shape[1]
+    values, usual_name = text.values, text.stated.first("channel") or "height"
     valid = [index for index, column in enumerate(columns) if column.role == "valid"]
     invalid = (values[:, valid] == 0).any(axis=1)
     files: list[tuple[int, MeasuredFile]] = []  # with their ranks
@@ -427,7 +418,7 @@ def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFil
         wrong = f"a column of {heights.size} numbers, where the header states a size along y"
         raise InputFileError(f"{wrong}: {_ONE_LINE}")
     for index, counter in enumerate(text.columns or ()):
-        pieces = runs(text.table.values[:, index]) if counter.role == "index" else []
+        pieces = runs(text.values[:, index]) if counter.role == "index" else []
         if len(pieces) > 1:
             wrong = f"{counter.name!r} begins anew or repeats at line {text.rows.lines[pieces[1].start]}"
             raise InputFileError(f"the column {wrong}: several profiles below one another; {_LEAVE_ONE}")
@@ -560,7 +551,7 @@ def _matrix_instead(wrong: str, text: _Text) -> Channel:
 
 def _as_matrix(text: _Text) -> Channel | None:
     """Return a table as a matrix, in case its columns are not positions; None if it cannot be a matrix."""
-    table = text.table.values
+    table = text.values
     rows, columns = table.shape
     if text.columns or text.rows.broken or rows > _MAX_NARROW_ROWS:
         return None
@@ -600,8 +591,8 @@ def _ratio(unit_y: str, unit_x: str, text: _Text) -> float:
 def _channel(numbers: np.ndarray, text: _Text, unit: str | None = None, **attributes: Any) -> Channel:
     """Return a channel of numbers in a unit, by default that of the header."""
     unit = unit or text.stated.first("height_unit", "unit")
-    for marker in _markers(text.stated):
-        numbers[numbers == marker] = np.nan
+    for marker in text.stated.get("missing", []):
+        numbers[numbers == marker.value] = np.nan
     for factor in text.stated.get("z_factor", [])[:1]:  # of counts or phases: it makes them lengths
         numbers, unit = numbers * factor.value, factor.unit or unit
     lines = {
@@ -612,7 +603,7 @@ def _channel(numbers: np.ndarray, text: _Text, unit: str | None = None, **attrib
     }
     otherwise = {"unit": lines.get("dx", "headings"), "height_unit": "headings"}
     attributes["sources"] = otherwise | {"missing_value": "words and NaN"} | lines
-    attributes["unused"] = text.unused
+    attributes["unused"] = _unused(text)
     name = text.stated.first("channel") or "height"
     return Channel(name, (len(numbers), numbers.shape[1]), lambda: numbers, unit, **attributes)
 

@@ -1,7 +1,5 @@
 """Positions in the first row and column of a matrix, with or without a cell in the corner."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from roughcontact.errors import InputFileError
@@ -21,16 +19,13 @@ _ALIKE, _JOINED = 0.75, 1.7
 _COMPARED = 50  # rows or columns that would be even as well if the first one were heights
 
 
-class Axes(NamedTuple):
-    """Heights by rising positions, the steps `dx`, `dy` of these, and what was taken for positions."""
-
-    values: np.ndarray
-    steps: dict[str, float]
-    note: str
+Axes = tuple[np.ndarray, dict[str, float], str]
 
 
 def find_axes(values: np.ndarray, *, corner: bool = False, positions: bool = False) -> Axes | None:
-    """Return the heights of a table and the positions beside them, None where there are none.
+    """Return the heights of a table by the rising positions beside them, the steps of these, and a sentence.
+
+    The steps are `dx` and `dy`; the sentence says what was taken for positions. None: there are none.
 
     Positions are a first row or column that is an even progression, as the others are not; the cell that both
     share, which is empty if `corner`, is no height. Counts from 0 or 1 may number the rows, unless they are
@@ -39,8 +34,7 @@ def find_axes(values: np.ndarray, *, corner: bool = False, positions: bool = Fal
     Examples
     --------
     >>> heights = np.random.default_rng(1).normal(size=(6, 5))
-    >>> found = find_axes(np.vstack([np.arange(5) / 2, heights]))
-    >>> found.steps, found.note
+    >>> find_axes(np.vstack([np.arange(5) / 2, heights]))[1:]
     ({'dx': 0.5}, 'the first row (0, 0.5, 1 ...) is taken as positions along x')
     >>> find_axes(heights) is None
     True
@@ -71,7 +65,7 @@ def find_axes(values: np.ndarray, *, corner: bool = False, positions: bool = Fal
         notes.append(f"the first {name} ({example} ...) is taken as {description}")
         if step < 0:
             heights = np.flip(heights, axis="yx".index(axis))
-    return Axes(heights, steps, "; ".join(notes))
+    return heights, steps, "; ".join(notes)
 
 
 def uneven(values: np.ndarray) -> str:

@@ -272,23 +272,26 @@ def _agree(first: tuple[Statement, int], second: tuple[Statement, int], general:
     return any(math.isclose(steps[0] * ratio, steps[1], rel_tol=slack) for ratio in (1, between_ends))
 
 
-def _entries(text: str, *, alone: bool) -> Iterator[tuple[str, str]]:
-    """Yield the keys and values of a line: one, as ``Width: 5 mm``, or several, as ``h=305 w=75``."""
-    # from the strictest form to the loosest: each takes lines that the next would misread
+def _phrases(text: str) -> list[tuple[str, str]]:
+    """Return the keys and values of a line with two sides, units of axes, or numbers among its words."""
     pair = _TWO_SIDES.fullmatch(text) if len(text) < _MAX_PHRASE else None
     if pair and len(_LABEL.findall(pair[2])) == 2 and _meaning(pair[1]) in _TWO_VALUES:
-        yield pair[1], pair[2]
-        return
+        return [(pair[1], pair[2])]
     if axes := _units_of_axes(text):
-        yield from axes
-        return
+        return axes
     if text[:1].isdigit() and not _COUNTED.sub("", text):
-        yield from ((word, number) for number, word in _COUNTED.findall(text))
-        return
+        return [(word, number) for number, word in _COUNTED.findall(text)]
     around = _AROUND.fullmatch(text) if len(text) < _MAX_PHRASE else None
     if around and is_length(around[3].rstrip("²2")) and _meaning(name := f"{around[1]} {around[4]}"):
-        yield name, around[2]
-        return
+        return [(name, around[2])]
+    return []
+
+
+def _entries(text: str, *, alone: bool) -> Iterable[tuple[str, str]]:
+    """Return the keys and values of a line: one, as ``Width: 5 mm``, or several, as ``h=305 w=75``."""
+    # from the strictest form to the loosest: each takes lines that the next would misread
+    if phrases := _phrases(text):
+        return phrases
     head, *value_texts = re.split(r"\s*[:=]\s*", text)
     keys, values = [head], []
     # "h=305 w=75" is two entries; "file = C:/map" is one, as its second value is no number
@@ -300,23 +303,22 @@ def _entries(text: str, *, alone: bool) -> Iterator[tuple[str, str]]:
         values.append(value_text[:stop])
         keys.append(value_text[start:])
     if values and all(key[:1].isalpha() for key in keys) and ("=" in text or _meaning(head)):
-        yield from zip(keys, [*values, value_texts[-1]], strict=True)
-    elif (stop := min((text.find(sign) for sign in ":=\t" if sign in text), default=-1)) > 0:
-        yield text[:stop], text[stop + 1 :]
-    elif behind := _BEFORE_A_NUMBER.fullmatch(text):
-        yield behind[1], behind[2]
-    elif any(sign in text for sign in ";,"):  # a line of a table, as "Width";"640,5";"µm"
+        return zip(keys, [*values, value_texts[-1]], strict=True)
+    if (stop := min((text.find(sign) for sign in ":=\t" if sign in text), default=-1)) > 0:
+        return [(text[:stop], text[stop + 1 :])]
+    if behind := _BEFORE_A_NUMBER.fullmatch(text):
+        return [(behind[1], behind[2])]
+    if any(sign in text for sign in ";,"):  # a line of a table, as "Width";"640,5";"µm"
         separator = next(sign for sign in (";", '","', ",") if sign in text)
         key, *cells = (cell.strip().strip('"').strip() for cell in text.split(separator))
         both_numbers = len(cells) > 1 and all(map(NUMBER.fullmatch, cells[:2]))
-        yield key, (";" if both_numbers else " ").join(cells[:2])
-    else:  # "heights in nm"
-        lengths = (stop for stop in range(max(1, len(text) - _MAX_UNIT), len(text)) if is_length(text[stop:]))
-        for stop in islice(lengths, 1):
-            # "z nm" is a heading, "z values nm" is none
-            is_heading = alone and not re.search(r"\w[\s_-]+\w", text[:stop])
-            if not is_heading or _meaning(text[:stop]) not in ("z", "length_y"):
-                yield text[:stop], text[stop:]
+        return [(key, (";" if both_numbers else " ").join(cells[:2]))]
+    # "heights in nm"
+    lengths = (stop for stop in range(max(1, len(text) - _MAX_UNIT), len(text)) if is_length(text[stop:]))
+    name = text[: next(lengths, 0)]
+    # "z nm" is a heading, "z values nm" is none
+    is_heading = alone and not re.search(r"\w[\s_-]+\w", name) and _meaning(name) in ("z", "length_y")
+    return [(name, text[len(name) :])] if name and not is_heading else []
 
 
 def _units_of_axes(text: str) -> list[tuple[str, str]]:

@@ -82,10 +82,8 @@ def _decode(data: bytes) -> str:
 
 def _letters(text: str) -> int:
     """Return how many letters of a text make words or units of headers that ASCII lacks."""
-    common_words = _foreign_words(text) & _WORDS
-    return sum(
-        map(len, common_words | {word for word in _WORDS if word[0] > "\u2e7f" and word[1:] and word in text})
-    )
+    eastern = {word for word in _WORDS if word[0] > "\u2e7f" and word[1:] and word in text}
+    return sum(map(len, eastern | (_foreign_words(text) & _WORDS)))
 
 
 def _foreign_words(text: str) -> set[str]:

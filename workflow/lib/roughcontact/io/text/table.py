@@ -101,16 +101,6 @@ class Dialect(NamedTuple):
         return _parse_number(self.plain(cell))
 
 
-class Table(NamedTuple):
-    """The numbers of a table; NaN for missing points and empty cells."""
-
-    values: np.ndarray
-    empty: np.ndarray  # columns (n,) without any cell
-    empty_corner: bool  # the first cell is empty
-    short: bool  # the first row held a word there, or lacked a cell
-    notes: list[str]  # on words with another meaning that are taken as missing
-
-
 class Rows(NamedTuple):
     """Rows of a table and their numbers in the file, below `heading`, whose first line is number `first`.
 
@@ -286,9 +276,8 @@ def strip_remarks(
 def _counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str]]:
     """Return the numbers of points alone in a line above the table (``23``, ``256 192``), and the table."""
     numbers = [number for number, line in enumerate(body[:50]) if line.strip()][:2]
-    count_line, row = (
-        body[number].strip(" \r\f").rstrip((delimiter or "") + " ") for number in (numbers[0], numbers[-1])
-    )
+    lines = [body[number].strip(" \r\f").rstrip((delimiter or "") + " ") for number in numbers]
+    count_line, row = lines[0], lines[-1]
     counts = re.findall(r"\d+", count_line)
     only_counts = len(count_line) <= 40 and re.fullmatch(r"\d+(?:[;,\s]+\d+)?", count_line)
     if not only_counts or len(row[:_MAX_PREFIX].split(delimiter)) <= len(counts):
@@ -330,13 +319,11 @@ def separators(body: list[str], header: Sequence[str] = ()) -> Dialect:
             return Dialect(2 * sign if is_doubled else sign, comma)
     if "," not in text:
         return Dialect(None, False)
-    tokens = [line.split() for line in sample]
     # two in a number, one at its end, or behind decimals
-    separating = re.search(r",\S*,|,(?:\s|\Z)|\.(?!\d{3}[.,])\d*,", text) or (
-        "." in text and re.search(r"\s,", text)
-    )
+    separating = re.search(r",\S*,|,(?:\s|\Z)|\.(?!\d{3}[.,])\d*,", text)
+    behind_blank = "." in text and re.search(r"\s,", text)
     # blanks separate the cells, so that a comma within one is a decimal sign
-    if any(len(row) > 1 for row in tokens) and not separating:
+    if any(len(line.split()) > 1 for line in sample) and not separating and not behind_blank:
         return Dialect(None, True)
     one_comma = max(line.count(",") for line in sample) == 1
     leading_zero = re.search(r"(?<![\d:-])0\d", text)  # only decimals, dates and times begin so
@@ -468,16 +455,19 @@ def _add_label_row(rows: Rows, dialect: Dialect) -> Rows:
     return Rows(rows.heading[:-1], rows.first, texts, [rows.lines[0] - 1, *rows.lines], rows.broken, label)
 
 
-def parse_table(rows: Rows, dialect: Dialect) -> Table:
-    """Return the numbers of a table.
+def parse_table(rows: Rows, dialect: Dialect) -> tuple[np.ndarray, np.ndarray, bool, bool, list[str]]:
+    """Return the numbers of a table, NaN for missing points and empty cells, and what is known of these.
+
+    Known are the columns (n,) without any cell, whether the first cell is empty, whether the first row held a
+    word there or lacked a cell, and notes on words with another meaning that are taken as missing.
 
     Examples
     --------
-    >>> table = parse_table(Rows([], 1, ["1,5;BAD;;", "2,5;3;;"], [1, 2]), Dialect(";", True))
-    >>> table.values
+    >>> values, empty, *_ = parse_table(Rows([], 1, ["1,5;BAD;;", "2,5;3;;"], [1, 2]), Dialect(";", True))
+    >>> values
     array([[1.5, nan, nan],
            [2.5, 3. , nan]])
-    >>> table.empty
+    >>> empty
     array([False, False,  True])
     """
     delimiter = dialect.delimiter
@@ -511,7 +501,7 @@ def parse_table(rows: Rows, dialect: Dialect) -> Table:
     places = [(word, f"in {counted_noun(count, 'cell')} of the table") for word, count in spoken.items()]
     notes = [f"{word!r} occurs {where} and is taken as missing: {way_out}" for word, where in places]
     short = bool(rows.label) or lacks_corner
-    return Table(values, empty, short or not texts[0].split(delimiter)[0].strip(), short, notes)
+    return values, empty, short or not texts[0].split(delimiter)[0].strip(), short, notes
 
 
 def _drop_closing_separators(texts: list[str], delimiter: str, heading: str) -> list[str]:
