@@ -224,13 +224,12 @@ THREE = [[1.5, 2.5, 3.5], [4.5, 5.5, 6.5], [1.25, 7.5, 9.5], [0.5, 2.5, 3.5]]
 
 
 @pytest.mark.parametrize("rows", [THREE, THREE[:1] * 4])
-def test_three_columns_are_a_map_where_both_steps_are_given(tmp_path, rows):
-    path = saved(tmp_path, cells(rows).replace(".", ","))
-    height = read_height_map(path, dx=2, dy=3, unit="um", height_unit="nm")
+def test_three_columns_are_a_map_where_a_line_counts_them(tmp_path, rows):
+    text, given = cells(rows).replace(".", ","), {"dx": 2, "dy": 3, "unit": "um", "height_unit": "nm"}
+    height = read_height_map(saved(tmp_path, "nx: 3\n" + text), **given)
     holds(height, 1e-9 * np.array(rows)[::-1], 2e-6, 3e-6)
     assert height.attrs["first_row"] == "top"
-    assert "read as a map of 4 rows of 3, because dx and dy are given" in warnings_of(height)
-    refuses(r"map of 3 columns.*give dx, dy and unit", path, unit="um")
+    refuses("of a map a line above says 'nx: 3'|have the same position", saved(tmp_path, text), **given)
 
 
 def test_one_height_in_each_line_is_a_profile(tmp_path):
@@ -239,7 +238,7 @@ def test_one_height_in_each_line_is_a_profile(tmp_path):
     assert "give dx, unit" in contents["problem"]
     assert (contents["channels"][0]["ny"], contents["channels"][0]["nx"]) == (1, 12)
     holds(read_height_map(path, dx=0.5, unit="mm", height_unit="um"), 1e-6 * Z[None], rtol=1e-14)
-    assert read_height_map(path, dx=0.5, dy=1, unit="mm").shape == (12, 1)
+    assert read_height_map(path, dx=0.5, dy=1, unit="mm").shape == (1, 12)
 
 
 # a text that states how many points it has, and what is given; the same with another number or fewer rows

@@ -51,8 +51,6 @@ class Channel:
     no_height: str = ""  # why this channel holds no heights; empty for a height channel
     size_rounding: tuple[float, ...] | None = None  # relative, along x and y, of sizes over points
     doubt: str = ""  # why the channel cannot be read as it is
-    # the same numbers as a map, used if the user gives both steps
-    otherwise: "Channel | None" = None
     points: Points | None = None  # where they form no even grid
     notes: list[str] = field(default_factory=list)  # statements of the header that the user should know
     # what the file says where: `dx`, `unit`, `first_row` ... -> "line 3"; without it by the format

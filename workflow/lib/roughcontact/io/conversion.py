@@ -55,7 +55,11 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
         notes.append(f"channel {channel.name!r} is read as heights on request ({channel.no_height})")
     elif request.channel is None and NO_TOPOGRAPHY.search(channel.name):
         notes.append(f"channel {channel.name!r} is read as heights, which by its name it does not hold")
-    channel, unit_notes = _settled(channel, request)
+    if channel.doubt:
+        if request.resample is not None or not request.has_steps(channel.shape):
+            raise InputFileError(channel.doubt)
+        size = "{} rows of {}".format(*channel.shape)
+        notes.append(f"the numbers are read as a map of {size}, because dx and dy are given")
     # before the points are interpolated: a marker among them would spread into the heights around it
     channel, marker_notes = _drop_markers(channel, request)
     channel, request, resampling = resample_evenly(channel, request)
@@ -76,7 +80,7 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
     if first_row == "top":
         heights = np.ascontiguousarray(heights[::-1])
     facts = [*marker_notes, *resampling, *scale_notes, *turn_notes]
-    notes += [*unit_notes, *doubts, *facts]
+    notes += [*doubts, *facts]
     return Converted(channel, choice, heights, *steps, notes, facts, origins, first_row, is_assumption)
 
 
@@ -116,17 +120,6 @@ def _checksum_notes(file: MeasuredFile, request: Request) -> list[str]:
         way_out = "where you know the change, give checksum = ignore (table of surfaces or argument)"
         raise InputFileError(f"{wrong}; export it again, or, {way_out}", keys=["checksum"])
     return [f"{file.stale}: read nevertheless, as asked (checksum = ignore)"]
-
-
-def _settled(channel: Channel, request: Request) -> tuple[Channel, list[str]]:
-    """Return the channel as map or as points, where its numbers may be both, and a note on the choice."""
-    matrix = channel.otherwise
-    if matrix and request.resample is None and request.has_steps(matrix.shape):
-        ny, nx = matrix.shape
-        return matrix, [f"the numbers are read as a map of {ny} rows of {nx}, because dx and dy are given"]
-    if channel.doubt:
-        raise InputFileError(channel.doubt)
-    return channel, []
 
 
 def _checked(heights: np.ndarray) -> np.ndarray:

@@ -19,8 +19,7 @@ def readers() -> list[tuple[str, Reader]]:
     >>> readers()[-1][0]  # takes what no other knows
     'unmarked'
     """
-    package = import_module(_READERS)
-    names = sorted(module.name for module in iter_modules(package.__path__))
+    names = sorted(module.name for module in iter_modules(import_module(_READERS).__path__))
     entries = [(name, import_module(f"{_READERS}.{name}").READER) for name in names]
     return sorted(entries, key=lambda entry: entry[1].recognised_by)
 

@@ -15,7 +15,6 @@ from roughcontact.io.request import Request
 from roughcontact.io.scale import given_steps
 from roughcontact.io.units import is_length, metres
 
-_ADVICE = "give resample = linear (table of surfaces or argument) to interpolate to an even grid"
 _REACH = 2.0  # steps from the nearest point beyond which a grid point counts as not measured
 
 
@@ -27,14 +26,10 @@ def resample_evenly(channel: Channel, request: Request) -> tuple[Channel, Reques
     points = channel.points
     if points is None:
         return channel, request, []
-    if request.resample is None and channel.otherwise is not None:
-        columns = f"{channel.otherwise.shape[1]} columns"
-        question = f"{columns} of numbers without names: a map of {columns}, then give dx, dy and unit"
-        points_instead = f"points ({points.uneven}), then {_ADVICE}"
-        raise InputFileError(f"{question}; or {points_instead}", keys=["dx", "dy", "unit", "resample"])
     if request.resample is None:
+        way_out = "give resample = linear (table of surfaces or argument) to interpolate to an even grid"
         elsewhere = "interpolate and export it with the instrument's software"
-        raise InputFileError(f"{points.uneven}; {_ADVICE}, or {elsewhere}", keys=["resample"])
+        raise InputFileError(f"{points.uneven}; {way_out}, or {elsewhere}", keys=["resample"])
     steps = given_steps(request)
     if any(steps):  # positions and steps in `unit`
         unit = request.unit or "m"
@@ -72,7 +67,7 @@ def resampled(
     along, heights = _interpolated(positions, z, steps)
     dx, dy = [*(float(axis[1] - axis[0]) for axis in along), None][:2]
     first_x, first_y = [*(float(axis[0]) for axis in along), None][:2]
-    grid_channel = replace(channel, shape=heights.shape, read=heights.copy, points=None, otherwise=None)
+    grid_channel = replace(channel, shape=heights.shape, read=heights.copy, points=None)
     grid_channel = replace(grid_channel, dx=dx, dy=dy, first_x=first_x, first_y=first_y)
     size = " x ".join(str(axis.size) for axis in reversed(along))
     how = f"{z.size} points interpolated linearly to {size} on an even grid"

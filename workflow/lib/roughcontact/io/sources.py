@@ -78,8 +78,7 @@ def parse_lengths(text: str) -> list[Length]:
             loose += [number] if number else []
         elif not _SPEED.match(text, match.end()) and not _PER.search(text, 0, match.start()):
             quantities.append((number, unit))
-    remainder = _QUANTITY.sub(" ", text)
-    loose += [match[0] for match in NUMBER.finditer(remainder)]
+    loose += [match[0] for match in NUMBER.finditer(_QUANTITY.sub(" ", text))]
     lengths = []
     for number, unit in quantities:
         for token in [number] if number else (loose or [None]):

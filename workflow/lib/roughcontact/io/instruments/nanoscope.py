@@ -34,8 +34,7 @@ def sections(header: bytes) -> list[dict[str, str]]:
 
 def with_micro_signs(path: Path) -> str | io.BytesIO:
     """Return a file for the library, which knows ``~m`` in sizes but takes a sensitivity in it for none."""
-    data = path.read_bytes()
-    header, end, behind = data.partition(END)
+    header, end, behind = path.read_bytes().partition(END)
     return io.BytesIO(header.replace(b"~m", b"\xb5m") + end + behind) if b"~m/" in header else str(path)
 
 

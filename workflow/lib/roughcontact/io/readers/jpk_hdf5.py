@@ -47,8 +47,7 @@ def read(path: Path) -> MeasuredFile:
             raise InputFileError("this JPK file holds no map")
         facts = {"kind": instrument_kinds.PROBE.name, "vendor": "JPK"}
         instrument = instrument_metadata(facts, measurements[0].attrs)
-    size = hdf5.stated_size(path)
-    return MeasuredFile("JPK (HDF5)", channels, "bottom", instrument, required_size=size)
+    return MeasuredFile("JPK (HDF5)", channels, "bottom", instrument, required_size=hdf5.stated_size(path))
 
 
 def _rank(group: Any) -> int:

@@ -13,8 +13,7 @@ from roughcontact.io.text.axes import refuse_points
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one real array, (ny, nx) or (nx,), without pickle; it has no steps and units."""
-    way_out = "; save a plain float64 array with numpy.save"
-    with refusing("not readable as a NumPy array", way_out):
+    with refusing("not readable as a NumPy array", "; save a plain float64 array with numpy.save"):
         values = np.load(path, mmap_mode="r", allow_pickle=False)
     shape = (1, *values.shape) if values.ndim == 1 else values.shape
     if len(shape) != 2 or 0 in shape:

@@ -16,7 +16,7 @@ import numpy as np
 
 from roughcontact.arguments.quantities import counted_noun
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import MIN_MARKER, NO_TOPOGRAPHY, Channel, MeasuredFile, unreadable
+from roughcontact.io.channels import MIN_MARKER, NO_TOPOGRAPHY, Channel, MeasuredFile
 from roughcontact.io.guards import listed
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import LABELS, instrument_metadata
@@ -34,7 +34,6 @@ from roughcontact.io.vocabulary import pattern, words
 
 _SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # header entries on the size of a map
 _MANY_PROFILES = 10  # columns; fewer beside a first one of positions may be profiles
-_MAX_NARROW_ROWS = 1000  # rows of two or three columns that may be a map
 _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that may be positive downwards
 # headings of heights that were multiplied, turned, or are others than heights
 _COMPUTED = re.compile(rf"(?i)[*×·/^]|\bx\s?\d|^[-−]|\blog\b|invert|{NO_TOPOGRAPHY.pattern}")
@@ -139,8 +138,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     points = by_meaning.get("count", [])
     counts = counts or [count.value for count in points if count.line == points[0].line]
     _refuse_cut_table(values.shape, counts)
-    delimiter = dialect.delimiter
-    return _Text(rows, values, empty, empty_corner, short, delimiter, by_meaning, columns, doubts)
+    return _Text(rows, values, empty, empty_corner, short, dialect.delimiter, by_meaning, columns, doubts)
 
 
 def _unused(table: _Text) -> list[tuple[int, str]]:
@@ -277,8 +275,6 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
         profiles = f"of {counted_noun(nx - 1, 'profile')}, then name the columns in a line above them"
         rows = f"of the rows of a map, then {channel.scale_advice}"
         channel.doubt = f"the first of {nx} columns holds positions: {profiles} (x, z1, ...), or {rows}"
-    if channel.doubt:
-        channel.otherwise = replace(channel, doubt="")
     return file
 
 
@@ -360,6 +356,9 @@ def _list(table: np.ndarray, columns: list[Column], text: _Text) -> MeasuredFile
     has_values = ~np.isnan(table).all(axis=1)
     lines = [line for line, has_value in zip(text.rows.lines, has_values, strict=True) if has_value]
     *positions, heights = table[has_values].T
+    has_position = np.isfinite(positions).all(axis=0)
+    if not has_position.all():
+        raise InputFileError(f"the point in line {lines[int(np.argmin(has_position))]} has no position")
     channel = _channel(heights[None], text, columns[-1].unit, lateral_unit=lateral_unit)
     channel.sources |= {"dx": "positions", "dy": "positions"}
     if len(positions) == 1:
@@ -411,7 +410,7 @@ def _refuse_cut_table(shape: tuple[int, ...], counts: list[int]) -> None:
 
 
 def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFile:
-    """Return one height per line: a profile, or a map of one column if the user gives both steps."""
+    """Return a profile of one height per line."""
     if text.rows.broken:
         raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a height is missing")
     if {"length_y", "dy", "ny"} & {*text.stated}:
@@ -422,11 +421,7 @@ def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFil
         if len(pieces) > 1:
             wrong = f"{counter.name!r} begins anew or repeats at line {text.rows.lines[pieces[1].start]}"
             raise InputFileError(f"the column {wrong}: several profiles below one another; {_LEAVE_ONE}")
-    file = _matrix(heights[None], text, unit=column.unit)
-    (channel,) = file.channels
-    if not column.name:
-        channel.otherwise = _channel(heights[:, None], text, column.unit, lateral_unit=channel.lateral_unit)
-    return file
+    return _matrix(heights[None], text, unit=column.unit)
 
 
 def _matrix(
@@ -451,7 +446,6 @@ def _matrix(
     channel = _channel(table, text, unit, dx=steps.get("dx"), dy=dy, lateral_unit=lateral_unit)
     channel.sources = dict.fromkeys(positions or (), "positions") | channel.sources
     if wrong:
-        channel.otherwise = replace(channel)
         channel.doubt = f"{wrong}; correct the file, or {channel.scale_advice}"
     elif sizes == {"length_x", "length_y"}:
         lengths = [entries[f"length_{axis}"][0] for axis in "xy"]
@@ -465,8 +459,6 @@ def _matrix(
 
 def _profile(channel: Channel, x: np.ndarray, lines: list[int], text: _Text) -> MeasuredFile:
     """Return a profile from positions that rise or fall, or several, where they begin anew."""
-    if not np.isfinite(x).all():
-        raise InputFileError(f"the point in line {lines[int(np.argmin(np.isfinite(x)))]} has no position")
     traces = runs(x)
     if len(traces) == 1:
         return MeasuredFile("text profile (x, z)", [_trace(channel, x, text)], first_row="bottom")
@@ -475,12 +467,11 @@ def _profile(channel: Channel, x: np.ndarray, lines: list[int], text: _Text) -> 
         channels = []
         for number, trace in enumerate(traces, start=1):
             part = replace(channel, read=channel.read()[:, trace].copy, notes=[])
-            channels.append(replace(_trace(part, x[trace], text), name=f"profile {number}", otherwise=None))
+            channels.append(replace(_trace(part, x[trace], text), name=f"profile {number}"))
         profiles = counted_noun(len(traces), "profile")
         question = f"{where}: {profiles} below one another, 'profile 1' to 'profile {len(traces)}'"
         return MeasuredFile("text profiles (x, z)", channels, first_row="bottom", question=question)
-    wrong = f"{where}: the heights are no profile over x; cut it there, or correct the positions"
-    return MeasuredFile("text profile (x, z)", [_matrix_instead(wrong, text)], first_row="bottom")
+    raise InputFileError(f"{where}: no profile over x; cut it there, or correct the positions")
 
 
 def _trace(channel: Channel, x: np.ndarray, text: _Text) -> Channel:
@@ -494,7 +485,7 @@ def _trace(channel: Channel, x: np.ndarray, text: _Text) -> Channel:
     except UnevenPositionsError as error:
         channel.dx = rounded_step(x)
         if channel.dx is None:
-            return replace(scattered(channel, x, None, heights, str(error)), otherwise=_as_matrix(text))
+            return scattered(channel, x, None, heights, str(error) + _or_map(text))
         channel.notes.append("positions, even up to the rounding of their last digit, are taken as even")
     if wrong := _contradictions(text, {"dx": channel.dx}, channel.lateral_unit, channel.shape):
         channel.notes.append(f"{wrong}; the positions are used")
@@ -506,9 +497,6 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
     """Return a list of points on the regular grid that it forms, or as an irregular list."""
     z = channel.read()[0]
     try:
-        has_position = np.isfinite(x) & np.isfinite(y)
-        if not has_position.all():
-            raise InputFileError(f"the point in line {lines[int(np.argmin(has_position))]} has no position")
         heights, steps, origin = points_on_grid(x, y, z, lines)
         _refuse_lost_lines(heights.shape, text)
         stated_steps = {"d" + axis: step for axis, step in steps.items() if step}
@@ -524,10 +512,13 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
         if text.columns is None and (are_points(np.column_stack([x, z])) or form_a_grid(y, z)):
             way_out = "name the columns in a line above them, as x, z1, z2, or delete the first one"
             raise InputFileError(f"{error}; {way_out} if it counts the rows") from error
-        channel = replace(scattered(channel, x, y, z, str(error)), otherwise=_as_matrix(text))
-    except InputFileError as error:
-        channel = _matrix_instead(str(error), text)
+        channel = scattered(channel, x, y, z, str(error) + _or_map(text))
     return MeasuredFile("text list of points (x, y, z)", [channel], first_row="bottom")
+
+
+def _or_map(text: _Text) -> str:
+    """Return what tells a map from a list, for one whose columns have no names."""
+    return f" (of a map a line above says 'nx: {text.values.shape[1]}')" if text.columns is None else ""
 
 
 def _refuse_lost_lines(shape: tuple[int, ...], text: _Text, content: str = "the points make") -> None:
@@ -538,31 +529,6 @@ def _refuse_lost_lines(shape: tuple[int, ...], text: _Text, content: str = "the 
         if exceeds if content == "the points make" else expected != count:
             wrong = f"the header says {expected:g} {name}, {content} {count}"
             raise InputFileError(f"{wrong}; it was cut off or changed")
-
-
-def _matrix_instead(wrong: str, text: _Text) -> Channel:
-    """Return a table that is no list as a matrix that needs both steps; refuse one that cannot be any."""
-    matrix = _as_matrix(text)
-    if matrix is None:
-        raise InputFileError(wrong)
-    doubt = f"{wrong}; if the table is a map of {matrix.shape[1]} columns, give dx, dy and unit"
-    return Channel("height", matrix.shape, unreadable(doubt), doubt=doubt, otherwise=matrix)
-
-
-def _as_matrix(text: _Text) -> Channel | None:
-    """Return a table as a matrix, in case its columns are not positions; None if it cannot be a matrix."""
-    table = text.values
-    rows, columns = table.shape
-    if text.columns or text.rows.broken or rows > _MAX_NARROW_ROWS:
-        return None
-    if columns == 2:
-        positions = bool(np.all(np.diff(table[:, 0]) > 0))
-    else:  # each position along x and along y occurs several times: the lines of a scan
-        along_x, along_y = (np.unique(table[:, index]).size for index in (0, 1))
-        positions = max(along_x, along_y) <= rows / 2 <= along_x * along_y
-    if positions:
-        return None
-    return _channel(table, text, lateral_unit=text.stated.first("lateral_unit"), first_row="top")
 
 
 def _steps(text: _Text, shape: tuple[int, ...]) -> tuple[dict[str, float], str | None]:

@@ -29,8 +29,7 @@ def read(path: Path) -> MeasuredFile:
     lines: list[str] = []
     cells = 0
     with refusing("a damaged Excel workbook"), path.open("rb") as stream:
-        book = openpyxl.load_workbook(stream, read_only=True, data_only=True)
-        sheet = book.worksheets[0]
+        sheet = openpyxl.load_workbook(stream, read_only=True, data_only=True).worksheets[0]
         sheet.reset_dimensions()  # which a file may state far too large
         for row in sheet.iter_rows(values_only=True):
             cells += len(row)

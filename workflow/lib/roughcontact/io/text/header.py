@@ -153,8 +153,7 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
         # all pieces are entries, or the line is one
         is_whole = is_single or (entries and all(entries))
         for meaning, statement in chain(*entries) if is_whole else _parsed(text, sign):
-            located = statement._replace(line=number, text=text)
-            by_meaning.setdefault(meaning, []).append(located)
+            by_meaning.setdefault(meaning, []).append(statement._replace(line=number, text=text))
     return by_meaning
 
 
