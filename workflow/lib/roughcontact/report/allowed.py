@@ -102,34 +102,33 @@ def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:
         return ""
     largest, *bounds = (float(np.asarray(numbers[key])[index]) for key in names)
     lower, upper = (quantity(bound, "m") if np.isfinite(bound) else "" for bound in bounds)
-    interval = f"{lower} to {upper}" if lower and upper else f"{lower} or more" if lower else ""
-    text = f"; holds for Sq up to {quantity(largest, 'm')}{f' ({interval})' if interval else ''}"
-    return f"{text} of this texture with its S- and L-filter"
+    interval = f" ({_interval_in_words(lower, upper)})" if lower else ""
+    return f"; holds for Sq up to {quantity(largest, 'm')}{interval} of this texture with its S- and L-filter"
 
 
 def _load_in_words(numbers: Numbers, name: str) -> str:
     """Return the load from which on, or up to which, an allowed value holds, with its bounds."""
-    crossing, lower, upper = (float(numbers[f"{name}_holds_from{suffix}"]) for suffix in ENDS)
-    loads = np.asarray(numbers["mean_pressure"], float)
-    rises = ALLOWED_VALUES[name].trend > 0
-
-    def text(load: float) -> str:
-        return load_in_words(load, numbers)[1]
-
-    bounds = [f"{text(lower)} or more" if lower > 0 else "", f"{text(upper)} or less" if upper > 0 else ""]
-    interval = f"{text(lower)} to {text(upper)}" if all(bounds) else "".join(bounds)
-    if lower == crossing == upper:  # that of a fluid
-        interval = ""
+    ends = [float(numbers[f"{name}_holds_from{suffix}"]) for suffix in ENDS]
+    (crossing, lower, upper), loads = ends, np.asarray(numbers["mean_pressure"], float)
+    at, low, high = (load_in_words(load, numbers)[1] if load > 0 else "" for load in ends)
+    interval = _interval_in_words(low, high) if len({*ends}) > 1 else ""  # that of a fluid has none
     if np.isnan(crossing):
-        sentence = "below the loads solved" if rises else "beyond the loads solved"
-    elif rises:
-        sentence = f"up to {text(crossing)}"
-        if crossing == loads.max() and not upper > 0:
+        sentence = f"{'below' if ALLOWED_VALUES[name].trend > 0 else 'beyond'} the loads solved"
+    elif ALLOWED_VALUES[name].trend > 0:
+        sentence = f"up to {at}"
+        if crossing == loads.max() and not high:
             sentence += " at least"
-            interval = f"decided up to {text(lower)}" if 0 < lower < crossing else ""
+            interval = f"decided up to {low}" if 0 < lower < crossing else ""
     elif crossing == loads.min() > lower and lower <= lifting_pressure(numbers, name):
-        sentence = f"from {text(crossing)} or less on"
-        interval = f"decided from {text(upper)} on" if upper > crossing else ""
+        sentence = f"from {at} or less on"
+        interval = f"decided from {high} on" if upper > crossing else ""
     else:
-        sentence = f"from {text(crossing)} on"
+        sentence = f"from {at} on"
     return f"{sentence} ({interval})" if interval else sentence
+
+
+def _interval_in_words(low: str, high: str) -> str:
+    """Return an interval by its ends, of which one or both may be empty."""
+    if low and high:
+        return f"{low} to {high}"
+    return f"{low} or more" if low else f"{high} or less" if high else ""

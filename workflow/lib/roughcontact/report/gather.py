@@ -2,7 +2,7 @@
 
 import shutil
 from collections.abc import Collection, Mapping, Sequence
-from itertools import chain
+from itertools import chain, product
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -13,6 +13,7 @@ import xarray as xr
 from roughcontact.arguments.measurement import json_attribute, json_attributes
 from roughcontact.arguments.settings.stages import AFTER, stages_after
 from roughcontact.errors import RoughContactError
+from roughcontact.report.groups import name_under
 from roughcontact.report.page import write_report
 from roughcontact.results import collect
 from roughcontact.results.storage import provenance, table_text, write_dataset, write_table, write_text
@@ -61,21 +62,21 @@ def write_results(
     write_text(text, folder / "summary.csv")
     write_table(budget_table(statistics), folder / "uncertainty.csv")
     solved = set(summary["surface"])
-    pair_of_surface = {name: pair for pair, names in pairs.items() for name in names if name in solved}
-    if pair_of_surface:
+    if pair_of_surface := {name: pair for pair, names in pairs.items() for name in names if name in solved}:
         write_table(collect.pairs_table(summary, pair_of_surface), folder / "pairs.csv")
     names_requested = {*chain.from_iterable((*same_area_pairs, *groups.values(), *pairs.values()))}
     by_case = _split_by_map(statistics, names_requested)
     answers, omissions = group_answers(by_case, groups, pairs)
-    comparisons_by_pair, not_compared = comparisons(answers, same_area_pairs)
-    of_maps, not_shared = map_comparisons(by_case, pairs, same_area_pairs)
-    comparisons_by_pair, omissions = comparisons_by_pair | of_maps, omissions + not_compared + not_shared
-    if groups or pairs or same_area_pairs:
+    compared, not_compared = _joined(
+        [comparisons(answers, same_area_pairs), map_comparisons(by_case, pairs, same_area_pairs)]
+    )
+    omissions += not_compared
+    if names_requested:
         attrs |= json_attributes({"left_out": omissions})
         attrs = {key: text for key, text in attrs.items() if key != "comment"} | {"title": "Groups of maps"}
         write_dataset(joined_groups(answers).assign_attrs(attrs), folder / "groups.nc")
         write_table(groups_table(answers), folder / "groups.csv")
-        write_table(comparisons_table(comparisons_by_pair), folder / "comparisons.csv")
+        write_table(comparisons_table(compared), folder / "comparisons.csv")
     write_report(
         folder / "report.html",
         finished=finished,
@@ -85,7 +86,7 @@ def write_results(
         settings=settings,
         changed=changed,
         groups=answers,
-        compared=comparisons_by_pair,
+        compared=compared,
         omissions=omissions,
         failures=failures,
         linked=linked,
@@ -110,24 +111,19 @@ def group_answers(
     `by_case` has the statistics of each map by case ("" without cases) and name.
     """
     answers, omissions = [], []
-    members = {**groups, **{pair: {name: name for name in names} for pair, names in pairs.items()}}
-    for name, components in members.items():
-        for case, of_case in by_case.items():
-            components_solved = {map_: of_case[map_] for map_ in components if map_ in of_case}
-            if not components_solved:
-                continue
-            try:
-                result = group_statistics(
-                    list(components_solved.values()),
-                    names=list(components_solved),
-                    parts=[components[map_] for map_ in components_solved],
-                    group=name,
-                    placements=name in pairs,
-                )
-            except RoughContactError as error:
-                omissions.append(f"{error}{f' (case {case})' if case else ''}")
-            else:
-                answers.append(NamedGroup(name, case or None, result, name in pairs))
+    members = {**groups, **{pair: dict(zip(names, names, strict=True)) for pair, names in pairs.items()}}
+    for (name, parts), (case, of_case) in product(members.items(), by_case.items()):
+        solved = [map_ for map_ in parts if map_ in of_case]
+        if not solved:
+            continue
+        maps, parts_solved = [of_case[map_] for map_ in solved], [parts[map_] for map_ in solved]
+        of_group: dict[str, Any] = {"group": name, "placements": name in pairs}
+        try:
+            result = group_statistics(maps, names=solved, parts=parts_solved, **of_group)
+        except RoughContactError as error:
+            omissions.append(f"{error}{f' (case {case})' if case else ''}")
+        else:
+            answers.append(NamedGroup(name, case or None, result, name in pairs))
     return answers, omissions
 
 
@@ -140,12 +136,12 @@ def comparisons(answers: Sequence[NamedGroup], same_area_pairs: Sequence[Sequenc
     found: list[Comparisons] = []
     for case in dict.fromkeys(group.case for group in answers):
         of_case = [group for group in answers if group.case == case and group.members.is_compared]
-        answers_by_label = {group.label: group.answer for group in of_case}
-        found.append(compare_all(answers_by_label, same_area_pairs=same_area_pairs))
+        labelled = {group.label: group.answer for group in of_case}
+        found.append(compare_all(labelled, same_area_pairs=same_area_pairs))
     for name in dict.fromkeys(group.name for group in answers):
-        answers_by_label = {group.label: group.answer for group in answers if group.name == name}
-        if len(answers_by_label) > 1 and any(answer.sizes["map"] > 1 for answer in answers_by_label.values()):
-            found.append(compare_all(answers_by_label, cases=case_pairs(list(answers_by_label))))
+        labelled = {group.label: group.answer for group in answers if group.name == name}
+        if len(labelled) > 1 and any(answer.sizes["map"] > 1 for answer in labelled.values()):
+            found.append(compare_all(labelled, cases=case_pairs(list(labelled))))
     return _joined(found)
 
 
@@ -162,14 +158,14 @@ def map_comparisons(
     of_faces = [(reference, partner) for reference, *partners in pairs.values() for partner in partners]
     found: list[Comparisons] = []
     for case, of_case in by_case.items():
-        results_by_pair, of_place = {}, set()
-        for pair in one_place + of_faces:
-            if of_case.keys() >= {*pair}:
-                reference, partner = (f"{name} · {case}" if case else name for name in pair)
-                results_by_pair[reference, partner] = of_case[pair[0]], of_case[pair[1]]
-                if pair in one_place:
-                    of_place.add((reference, partner))
-        found.append(compare_maps(results_by_pair, of_place=of_place))
+        labels = {
+            (first, second): (name_under(first, case), name_under(second, case))
+            for first, second in one_place + of_faces
+            if {first, second} <= of_case.keys()
+        }
+        results = {label: (of_case[first], of_case[second]) for (first, second), label in labels.items()}
+        of_place = {label for pair, label in labels.items() if pair in one_place}
+        found.append(compare_maps(results, of_place=of_place))
     return _joined(found)
 
 
@@ -184,9 +180,9 @@ def _joined(found: Sequence[Comparisons]) -> Comparisons:
 def _split_by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, dict[str, xr.Dataset]]:
     """Return what groups and differences need of some solved maps, by case ("" without cases) and name."""
     bands = json_attribute(statistics.attrs, "bands")
-    variables_needed = statistics[needed_for_groups(map(str, statistics.variables))].drop_attrs(deep=False)
+    needed = statistics[needed_for_groups(map(str, statistics.variables))].drop_attrs(deep=False)
     by_case: dict[str, dict[str, xr.Dataset]] = {}
-    for labels, result in collect.solved_results(variables_needed):
+    for labels, result in collect.solved_results(needed):
         case, surface = labels.get("case", ""), labels["surface"]
         if surface in names:
             by_case.setdefault(case, {})[surface] = result.assign_attrs(bands[case][surface])
@@ -197,7 +193,8 @@ def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return the components of every interval of the surfaces (and cases) of `collect_statistics`."""
     of_budget = statistics[[name for name in statistics.variables if name in TABLE_VARIABLES]]
     results = collect.solved_results(of_budget)
-    tables = [uncertainty_table(result).assign(**labels) for labels, result in results]
-    combined_table = pd.concat(tables, ignore_index=True)
-    labels = [dim for dim in ("case", "surface") if dim in combined_table]
-    return combined_table[labels + [column for column in combined_table if column not in labels]]
+    table = pd.concat(
+        [uncertainty_table(data).assign(**labels) for labels, data in results], ignore_index=True
+    )
+    labels = [dim for dim in ("case", "surface") if dim in table]
+    return table[labels + [column for column in table if column not in labels]]

@@ -34,14 +34,8 @@ from roughcontact.report.units import (
     number_text,
     unit_of,
 )
+from roughcontact.statistics import decisions
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
-from roughcontact.statistics.decisions import (
-    CLOSED,
-    TIGHT,
-    closed_opening,
-    gap_is_closed,
-    is_yielding,
-)
 from roughcontact.statistics.kinds import facts_of_numbers, reason_without_flow
 from roughcontact.statistics.outcome import FAILED, VERDICTS, Check
 from roughcontact.statistics.precision import is_known, precision_in_words
@@ -332,8 +326,8 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
         remarks.append(f"{_in_words(factor_name)} {_EXACT}")
     precision = precision_in_words(value, lower, upper, unit)
     remark = ", ".join(remarks) if is_known(value, lower, upper) else ""
-    if name == GAP and min(value, upper) < CLOSED:  # a NaN end is no smaller
-        open_elsewhere = f"up to {unit.text(upper)}" if upper >= CLOSED else ""
+    if name == GAP and min(value, upper) < decisions.CLOSED:  # a NaN end is no smaller
+        open_elsewhere = f"up to {unit.text(upper)}" if upper >= decisions.CLOSED else ""
         return Cell(CLOSED_IN_WORDS, open_elsewhere, precision="" if open_elsewhere else "to 1 nm")
     return Cell(shown, interval.strip("()"), precision=precision, remark=remark)
 
@@ -374,8 +368,8 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
         return Cell("leaks", lifts, precision=_DECIDED)
     open_axes, leaking, judged, undecided = [], [], [], []
     for axis in "xy":
-        decision, name = gap_is_closed(numbers, axis)[index], f"critical_constriction_{axis}"
-        is_wide = not interval_at(numbers, name, index)[0] <= closed_opening(numbers, axis)[index]
+        decision, name = decisions.gap_is_closed(numbers, axis)[index], f"critical_constriction_{axis}"
+        is_wide = not interval_at(numbers, name, index)[0] <= decisions.closed_opening(numbers, axis)[index]
         open_axes += [axis] if float(numbers[f"gap_percolates_{axis}"][index]) else []
         leaking += [axis] if decision == 0 or (np.isnan(decision) and axis in open_axes and is_wide) else []
         judged += [axis] if has_number(numbers, f"{name}_lower") else []
@@ -384,7 +378,8 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     axes_shown = [axis for axis in "xy" if axis in leaking + undecided]
     details = [] if leaking or open_axes else ["gap closed along x and y"]
     if not leaking and open_axes and not undecided:
-        details.append(f"leaks less than {units['leak_rate_x'].text(TIGHT)}, which counts as nothing")
+        tight = units["leak_rate_x"].text(decisions.TIGHT)
+        details.append(f"leaks less than {tight}, which counts as nothing")
     for sentence, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
         if axes_shown and has_number(numbers, f"{name}_x"):
             result = {axis: _unbroken(numbers, f"{name}_{axis}", units, index) for axis in axes_shown}
@@ -416,7 +411,7 @@ def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
         share = float(load["load_share_above_hardness"])
         if share == 0 and below:
             return Cell("yes", "below the surface")
-        decision = is_yielding(numbers)[index]
+        decision = decisions.is_yielding(numbers)[index]
         has_interval = has_number(numbers, f"{PEAK}_lower") or has_number(numbers, f"{PEAK}_upper")
         precision = "" if not has_interval else _NOT_DECIDED if np.isnan(decision) else _DECIDED
         reached = "just" if PEAK in load and hardness_reached(load) else "nowhere"

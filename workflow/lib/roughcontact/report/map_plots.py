@@ -1,6 +1,6 @@
 """Maps of heights, contact pressure and gap; profiles are drawn as lines."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -52,9 +52,8 @@ def height_map(
     unit = height_unit(float(like.std()))
     if are_lines(height):
         profiles = height.values if height.shape[1] > 1 else height.values.T
-        colours = enumerate(zip(profiles, COLOURS, strict=False), 1)  # no more than there are colours
-        lines = [(row, f"profile {index}", colour) for index, (row, colour) in colours]
-        return _profile(height, lines, label="height", unit=unit, along=along)
+        lines = {f"profile {index}": values for index, values in enumerate(profiles, 1)}
+        return _profile(height, lines, "height", unit, along=along)
     outline = None
     if rectangle is not None:
         x, y, width, depth = rectangle
@@ -96,7 +95,7 @@ def pressure_map(
     `ellipse` (its semi-axes `axis_x`, `axis_y` in m) is outlined; `highest` (Pa) has the last colour.
     """
     if dimensions(pressure.shape) == 1:
-        return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit=unit)
+        return _profile(height, {"pressure": pressure.ravel()}, "pressure", unit, colours=COLOURS[1:])
     highest = common_limits([(pressure, pressure)])[0] if highest is None else highest
     outline = None
     if ellipse:
@@ -108,20 +107,13 @@ def pressure_map(
 
 
 def gap_map(
-    height: xr.DataArray,
-    gap: np.ndarray,
-    pressure: np.ndarray,
-    *,
-    widest: float | None = None,
+    height: xr.DataArray, gap: np.ndarray, pressure: np.ndarray, *, widest: float | None = None
 ) -> Chart:
     """Draw the gap (m) over the window, contact in white; a profile shows both faces as lines."""
     unit = height_unit(float(height.std()))
     if dimensions(gap.shape) == 1:
-        faces = [
-            (height.values.ravel(), "rough surface", COLOURS[0]),
-            ((height.values + gap).ravel(), "deformed surface", COLOURS[1]),
-        ]
-        return _profile(height, faces, label="height", unit=unit)
+        faces = {"rough surface": height.values.ravel(), "deformed surface": (height.values + gap).ravel()}
+        return _profile(height, faces, "height", unit)
     # the gap (m) of the last colour; in full contact there is none for the scale
     widest = widest or common_limits([(pressure, gap)])[1] or float(np.ptp(height.values))
     return _map(_GAP, height, np.where(pressure > 0, np.nan, gap), (0, widest), unit=unit)
@@ -141,10 +133,8 @@ def framed(
     `extend` says whether values lie below and above the colours. Pictures of one shape come out alike.
     """
     aspect = abs(y.high - y.low) / abs(x.high - x.low)
-    in_scale = 1 / _MAX_ASPECT <= aspect <= _MAX_ASPECT
-    if not in_scale:
-        aspect = 1.0
-        y = Axis(f"{y.label}, not to scale", y.low, y.high)
+    if not 1 / _MAX_ASPECT <= aspect <= _MAX_ASPECT:
+        aspect, y = 1.0, Axis(f"{y.label}, not to scale", y.low, y.high)
     width = min(_WIDTH, _HIGHEST / aspect)
     margins = (84.0, 14.0, _WIDTH - width + 106.0, 53.0)
     size = (84.0 + _WIDTH + 106.0, width * aspect + 67.0)
@@ -152,12 +142,8 @@ def framed(
     colours = colour_scale(field.colours)
     source, coarse = coloured(values[::-1], (bar.low, bar.high), field.colours, bad=field.bad)  # y upwards
     chart.note("picture", source=source, smooth=not coarse)
-    chart.reading = {
-        "value": bar.reading(),
-        "colours": colours,
-        "bad": [field.bad, field.bad_word],
-        "points": list(values.shape[::-1]),
-    }
+    chart.reading = {"value": bar.reading(), "colours": colours, "bad": [field.bad, field.bad_word]}
+    chart.reading |= {"points": list(values.shape[::-1])}
     chart.note("values", values=values, bar=bar, colours=field.colours, bad=field.bad)
     chart.colour_bar(bar, colours, extend)
     return chart
@@ -176,47 +162,42 @@ def _map(
     """Draw the values of a field over the extent of `height`, an arrow where some lie beyond the colours."""
     lengths = side_lengths(height)
     factor, of_lengths = along or length_unit(max(lengths))
-    ly, lx = (length * factor for length in lengths)
+    y, x = (Axis(f"{name} ({of_lengths})", 0.0, n * factor) for name, n in zip("yx", lengths, strict=True))
     low, high = (limit * unit.factor for limit in limits)
-    chart = framed(
-        field,
-        Axis(f"x ({of_lengths})", 0.0, lx),
-        Axis(f"y ({of_lengths})", 0.0, ly),
-        values * unit.factor,
-        # a flat map has no range, and a colour bar needs one
-        bar=Axis(f"{field.label} ({unit.symbol})", low, high if high > low else low + 1e-6 * unit.factor),
-        extend=(bool((values < limits[0]).any()), bool((values > limits[1]).any())),
-    )
+    high = (
+        high if high > low else low + 1e-6 * unit.factor
+    )  # a flat map has no range, and a colour bar needs one
+    extend = bool((values < limits[0]).any()), bool((values > limits[1]).any())
+    bar = Axis(f"{field.label} ({unit.symbol})", low, high)
+    chart = framed(field, x, y, values * unit.factor, bar=bar, extend=extend)
     if outline is not None:
-        x, y = (coordinate * factor for coordinate in outline)
         # white below red: visible on every colour
-        for colour, line in (("#ffffff", 4.0), ("#d00000", 2.0)):
-            chart.line(x, y, colour=colour, width=line)
+        for colour, width in (("#ffffff", 4.0), ("#d00000", 2.0)):
+            chart.line(outline[0] * factor, outline[1] * factor, colour=colour, width=width)
     return chart
 
 
 def _profile(
     height: xr.DataArray,
-    lines: list[tuple[np.ndarray, str, str]],
-    *,
+    lines: Mapping[str, np.ndarray],
     label: str,
     unit: Unit,
+    *,
     along: Unit | None = None,
+    colours: Sequence[str] = COLOURS,
 ) -> Chart:
-    """Draw one or more lines (values, name, colour) along a profile, gaps where values are missing."""
+    """Draw values by their names along a profile, gaps where they are missing; no more than `colours`."""
     axis = "x" if height.sizes["x"] > 1 else "y"
     position = height[axis].values - height[axis].values[0]  # from the first point, as on the map
     factor, of_lengths = along or length_unit(max(side_lengths(height)))
-    values_of_all = np.concatenate([values for values, *_ in lines])
-    low, high = (float(limit) * unit.factor for limit in (np.nanmin(values_of_all), np.nanmax(values_of_all)))
+    names = [*lines][: len(colours)]
+    all_values = np.concatenate([lines[name] for name in names])
+    low, high = (float(limit(all_values)) * unit.factor for limit in (np.nanmin, np.nanmax))
     # some room above and below, also for a flat profile
     room = (high - low) * 0.06 or 1e-6 * unit.factor
-    chart = Chart(
-        Axis(f"{axis} ({of_lengths})", 0.0, float(position[-1]) * factor),
-        Axis(f"{label} ({unit.symbol})", low - room, high + room),
-        size=(430.0, 290.0),
-    )
-    for values, name, colour in lines:
-        legend = name if len(lines) > 1 else ""
-        chart.line(position * factor, values * unit.factor, colour=colour, width=1.1, label=legend)
+    x = Axis(f"{axis} ({of_lengths})", 0.0, float(position[-1]) * factor)
+    chart = Chart(x, Axis(f"{label} ({unit.symbol})", low - room, high + room), size=(430.0, 290.0))
+    for name, colour in zip(names, colours, strict=False):
+        legend = name if len(names) > 1 else ""
+        chart.line(position * factor, lines[name] * unit.factor, colour=colour, width=1.1, label=legend)
     return chart

@@ -35,29 +35,27 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
     >>> methods_paragraph(statistics).split(". ")[1][:56]
     'A window of 64.0 µm × 64.0 µm was periodic as measured; '
     """
-    settings, versions = (json_attribute(statistics.attrs, name) for name in ("settings", "versions"))
-    attrs, contact = statistics.attrs, settings["contact"]
+    attrs, settings = statistics.attrs, json_attribute(statistics.attrs, "settings")
     lengths = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
     rising = statistics["mean_pressure"].argsort().values.tolist()
     indices = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MAX_LOADS else rising
     text = template("methods.txt").render(
-        {name: settings[name] for name in ("level", "window", "contact")},
+        settings | {"form": settings.get("form") or {}},
         attrs=attrs,
-        form=settings.get("form") or {},
         sha256=[f"{text[:8]}…" for text in str(attrs.get("source_sha256", "")).split(" + ") if text],
         sides=[length for length in lengths if math.isfinite(length)],
         periodisation=attrs.get("periodisation", settings["window"]["method"]),
         drawn_from=ensemble_in_words(statistics),
         **{name: float(statistics[name]) for name in ("rms_height", "rms_gradient", "contact_modulus")},
-        bodies=bodies_in_words(contact),
-        layered=bool(properties_of_bodies(contact["bodies"])),
-        kind=facts_of(contact),
+        bodies=bodies_in_words(settings["contact"]),
+        layered=bool(properties_of_bodies(settings["contact"]["bodies"])),
+        kind=facts_of(settings["contact"]),
         bound=_rounded_up(float(statistics["error_bound"].max())),
         loads=[_answers(statistics, index) for index in indices],
         measurand=interval_measurand(statistics, settings["uncertainty"]),
         largest=largest_parts(statistics.isel(load=indices)),
         hardness=_range_of_hardness(statistics),
-        version=versions["roughcontact"],
+        version=json_attribute(attrs, "versions")["roughcontact"],
         commit=str(attrs.get("commit", ""))[:7],
     )
     return paragraph(text)

@@ -9,11 +9,12 @@ import xarray as xr
 from roughcontact.arguments.answers import COLUMNS, CREEPING, ENDS, TITLES, UNITS
 from roughcontact.arguments.kinds import PERIODIC_MAP
 from roughcontact.arguments.quantities import number, percent
-from roughcontact.arguments.variables import VARIABLES, has_number
+from roughcontact.arguments.variables import VARIABLES, Numbers, has_number
 from roughcontact.report.units import lacks_interval, number_text, stated_loads, unit_of
 from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.statistics.kinds import facts_of_numbers, load_in_words, reason_without_flow
 
+_STRESSES = "Stress below the surface"  # title of the table of
 # of bodies with layers, for each material and for each interface
 _OF_LAYERS = (
     ("material_von_mises_stress", "von Mises in {}", "Pa"),
@@ -42,23 +43,22 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
     load = next(column[1:] for column in COLUMNS if column.name == kind.load)
     # the load is in all tables; what is relative to the gradient of the map is not that of a body
     left_out = {*PERIODIC_MAP.scaled_columns} - {*kind.scaled_columns} | {kind.load}
-    others = [column for column in COLUMNS if column.table and column.name not in left_out]
+    columns_of: dict[str, list[tuple]] = {column.table: [] for column in COLUMNS if column.table}
+    for table, *column in COLUMNS:
+        if table and column[0] in numbers and column[0] not in left_out:
+            columns_of[table].append(tuple(column))
+    columns_of[_STRESSES] += _of_layers(numbers)
+    if reason_without_flow(numbers):
+        del columns_of["Sealing"]
     tables = []
-    for title in dict.fromkeys(table for table, *_ in others):
-        available: list[tuple] = [
-            tuple(column) for table, *column in others if table == title and column[0] in numbers
-        ]
-        if title == "Stress below the surface":
-            available += _of_layers(numbers)
-        if title == "Sealing" and reason_without_flow(numbers):
-            continue
+    for title, available in columns_of.items():
         if not available:
             continue
         header, columns = zip(*(_column(numbers, *column) for column in (load, *available)), strict=True)
         rows = [
-            {"cells": cells, "flags": ", ".join(text)} for *cells, text in zip(*columns, flags, strict=True)
+            {"cells": row, "flags": ", ".join(of_load)} for *row, of_load in zip(*columns, flags, strict=True)
         ]
-        body = numbers.attrs.get("stresses_of") if title == "Stress below the surface" else None
+        body = numbers.attrs.get("stresses_of") if title == _STRESSES else None
         tables.append({"title": f"{title}: {body}" if body else title, "header": header, "rows": rows})
     return tables
 
@@ -107,20 +107,21 @@ def creep_table(numbers: xr.Dataset, load_indices: Sequence[int]) -> Table | Non
     head = (
         f"{TITLES[name]} ({unit.symbol})" if unit.symbol else TITLES[name] for name, unit in units.items()
     )
+    of_times: list[tuple[str, Numbers]] = [("at once", numbers)]
+    for column, time in enumerate(numbers["time"].values):
+        after = {
+            f"{name}{end}": numbers[f"{name}_after{end}"].values[:, column]
+            for name in names
+            for end in ENDS
+            if f"{name}_after{end}" in numbers
+        }
+        of_times.append((_duration(float(time)), after))
     rows = []
     for index in load_indices:
-        load = stated_loads(numbers).texts[index]
-        rows.append([load, "at once", *(number_text(numbers, name, units[name], index) for name in names)])
-        for column, time in enumerate(numbers["time"].values):
-            after = {
-                f"{name}{suffix}": numbers[f"{name}_after{suffix}"].values[:, column]
-                for name in names
-                for suffix in ENDS
-                if f"{name}_after{suffix}" in numbers
-            }
-            flows = not np.isfinite(after[names[0]][index])
-            cells = ("–" if flows else number_text(after, name, units[name], index) for name in names)
-            rows.append([load, _duration(float(time)), *cells])
+        for time_text, values in of_times:
+            flows = not np.isfinite(np.asarray(values[names[0]])[index])
+            cells = ("–" if flows else number_text(values, name, units[name], index) for name in names)
+            rows.append([stated_loads(numbers).texts[index], time_text, *cells])
     return {"header": [facts_of_numbers(numbers).load_symbol, "after", *head], "rows": rows}
 
 
@@ -149,12 +150,10 @@ def material_table(numbers: xr.Dataset, load_indices: Sequence[int]) -> Table | 
     for ratio, text in zip(numbers["hardness_over_modulus"].values, _MATERIALS, strict=True):
         of_class = numbers.sel(hardness_over_modulus=ratio)
         first_yield = float(of_class["first_yield_pressure_by_ratio"])
+        is_elastic = float(numbers["max_pressure_over_modulus"].max()) < ratio
+        yields = f"above {loads_in_words[-1]}" if is_elastic else f"below {loads_in_words[0]}"
         if np.isfinite(first_yield):
             yields = load_in_words(first_yield, numbers)[1]
-        elif float(numbers["max_pressure_over_modulus"].max()) < ratio:
-            yields = f"above {loads_in_words[-1]}"
-        else:
-            yields = f"below {loads_in_words[0]}"
         shares = (of_class[f"{name}_share_above_ratio"].values[load_indices] for name in ("load", "area"))
         texts = [", ".join(map(percent, pair)) for pair in zip(*shares, strict=True)]
         rows.append([number(float(ratio), digits=1), pressure(ratio * modulus), text, yields, *texts])

@@ -34,22 +34,24 @@ def spectrum(window: xr.DataArray) -> str:
     power = power * (_HEIGHT.factor**2 * unit_q**-axes)
     inside = power > 1e-20 * power.max()  # below lies the rounding of waves that were removed
     visible = power[inside]
-    step = min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
-    wavenumbers = q[0] * unit_q, np.pi / step * unit_q
+    wavenumbers = q[0] * unit_q, np.pi / _step(window) * unit_q
     chart = _spectrum_chart(wavenumbers, length, (visible.min() / 30, visible.max() * 5), axes=axes)
     _mark_band(chart, window, q[0] * unit_q, unit_q)
     chart.line(q[inside] * unit_q, visible, colour=COLOURS[0])
     return chart.source()
 
 
+def _step(window: xr.DataArray) -> float:
+    """Return the smaller distance between points (m)."""
+    return min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
+
+
 def fitted_spectrum(window: xr.DataArray) -> str:
     """Draw the mean periodogram of profiles, and that of the surface fitted to them (`profile_spectra`)."""
     unit_q, length = _inverse_length(window)
-    spectra = {
-        key: np.array(values) for key, values in json_attribute(window.attrs, "profile_spectra").items()
-    }
-    q = spectra.pop("wavenumber") * unit_q
-    periodogram, fit = (values * _HEIGHT.factor**2 / unit_q for values in spectra.values())
+    spectra = json_attribute(window.attrs, "profile_spectra")
+    q = np.array(spectra.pop("wavenumber")) * unit_q
+    periodogram, fit = (np.array(values) * _HEIGHT.factor**2 / unit_q for values in spectra.values())
     limits = periodogram.min() / 3, periodogram.max() * 3
     chart = _spectrum_chart((q[0], q[-1]), length, limits, axes=1)
     chart.line(q, periodogram, colour=COLOURS[1], label="profiles")
@@ -72,10 +74,9 @@ def _mark_band(chart: Chart, window: xr.DataArray, longest_wave: float, unit_q: 
 
     `longest_wave` is the smallest wavenumber that is drawn, `unit_q` the factor from 1/m to its unit.
     """
-    step = min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
     longest, shortest = (2 * np.pi / window.attrs[f"band_{end}"] * unit_q for end in ("longest", "shortest"))
     outside = [(chart.x.low, longest)] if longest > longest_wave * 1.01 else []
-    if window.attrs["band_shortest"] > 2 * step * 1.01:
+    if window.attrs["band_shortest"] > 2 * _step(window) * 1.01:
         outside.append((shortest, chart.x.high))
     for index, span in enumerate(outside):
         chart.band(*span, label="" if index else "removed")
