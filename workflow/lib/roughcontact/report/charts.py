@@ -49,14 +49,7 @@ Rectangle = tuple[float, float, float, float]  # left, top, width, height
 # How a line and its marks look unless stated, beside their `colour`: `width` of the line in pixels (0: none),
 # `dash` (dashes and gaps), `marker` (one of `MARKERS`); `label` in the legend (empty: not listed).
 _LINE: dict[str, Any] = {"width": 1.5, "dash": "", "label": "", "read": True}
-_MARKS: dict[str, Any] = {
-    "marker": "o",
-    "filled": True,
-    "width": 0.0,
-    "dash": "",
-    "label": "",
-    "listed": True,
-}
+_MARKS = _LINE | {"marker": "o", "filled": True, "width": 0.0, "listed": True}
 
 
 @dataclass(frozen=True)
@@ -233,28 +226,18 @@ class Chart:
         )
         self.note("bars", x=x, lower=lower, upper=upper, colour=colour, path=path)
 
-    def across(
-        self,
-        *,
-        x: float | None = None,
-        y: float | None = None,
-        label: str,
-        colour: str = GREY,
-        dash: str = DASHED,
-    ) -> None:
+    def across(self, *, x: float | None = None, y: float | None = None, label: str, **style: Any) -> None:
         """Draw a straight line across the chart at a value of x or y."""
         ends_x = np.array([self.x.low, self.x.high] if x is None else [x, x])
         ends_y = np.array([self.y.low, self.y.high] if y is None else [y, y])
-        self.line(ends_x, ends_y, width=1.3, colour=colour, dash=dash, label=label, read=bool(label))
+        self.line(ends_x, ends_y, **{"colour": GREY, "width": 1.3} | style, label=label, read=bool(label))
 
     def band(self, low: float, high: float, *, label: str = "") -> None:
         """Shade the range between two values of x."""
         x0, right = np.clip(self.x.position(np.array([low, high])), 0, 1) * self.area[2]
         self.note("band", left=x0, right=right, label=label)
 
-    def colour_bar(
-        self, axis: Axis, colours: Sequence[str], arrows: tuple[bool, bool] = (False, False)
-    ) -> None:
+    def colour_bar(self, axis: Axis, colours: Sequence[str], arrows: Sequence[bool] = (False, False)) -> None:
         """Draw a bar of evenly spaced colours at the right; `axis` gives their values, from first to last.
 
         An arrow shows that there are values `arrows` them, below and above.
@@ -320,29 +303,29 @@ class Chart:
         sign = 1 if side in ("bottom", "right") else -1
         written, interior = axis.ticks(6 if (width if flat else height) > 150 else 4)
 
-        def position(value: float) -> float:
-            share = float(axis.position(value))
-            return x0 + share * width if flat else top + (1 - share) * height
+        def positions(values: list[float]) -> list[float]:
+            shares = axis.position(np.array(values))
+            return (x0 + shares * width if flat else top + (1 - shares) * height).tolist()
 
         def stubs(values: list[float], length: float) -> str:
             form = "M{0:.1f} {1:.1f}v{2:g}" if flat else "M{1:.1f} {0:.1f}h{2:g}"
-            return "".join(form.format(position(value), edge, length) for value in values)
+            return "".join(form.format(position, edge, length) for position in positions(values))
 
         texts = [tick_text(value) for value in written]
-        name: tuple[Any, ...]
+        half = (
+            len(axis.label) * (_DIGIT_WIDTH if flat else _LETTER_WIDTH) * letters / 2
+        )  # must not be cut off
         if flat:
             anchor, near = "middle", 6 + letters if side == "bottom" else -9.0
-            points = [(position(value), edge + near) for value in written]
-            half = len(axis.label) * _DIGIT_WIDTH * letters / 2  # it must not be cut off
+            points = [(position, edge + near) for position in positions(written)]
             middle = min(max(x0 + width / 2, half), self.size[0] - half)
-            name = middle, edge + near + sign * 1.55 * letters, axis.label, "middle"
+            name = middle, edge + near + sign * 1.55 * letters, axis.label, "middle", False
         else:
-            anchor, across = ("end", -8.0) if side == "left" else ("start", 8.0)
-            points = [(edge + across, position(value) + letters / 3) for value in written]
+            anchor = "end" if side == "left" else "start"
+            points = [(edge + sign * 8.0, position + letters / 3) for position in positions(written)]
             # the label of the axis beyond the longest number
             longest = max(map(len, texts), default=1) * _DIGIT_WIDTH * letters
             far = edge - 18 - longest if side == "left" else edge + 14 + letters + longest
-            half = len(axis.label) * _LETTER_WIDTH * letters / 2  # it must not be cut off above a low picture
             middle = max(top + height / 2, half)
             name = min(max(far, letters), self.size[0] - 4), middle, axis.label, "middle", True
         line = f"M{x0:.1f} {edge:.1f}h{width:.1f}" if flat else f"M{edge:.1f} {top:.1f}v{height:.1f}"
@@ -360,19 +343,18 @@ class Chart:
         items = [(kind, step) for kind, step in self.steps if step.get("label") and step.get("listed", True)]
         if not items:
             return [], 0.0
-        across, letter = self.size[0] - 24, _LETTER_WIDTH * self.letters
+        across, letter, below = self.size[0] - 24, _LETTER_WIDTH * self.letters, 1.5 * self.letters
         # narrow letters count half
         longest = 44 + letter / 2 * max(len(_NARROW.sub("", s["label"]) + s["label"]) for _, s in items)
         columns = min(max(int(across / longest), 1), _MAX_COLUMNS)
-        room = int((across - 38) / letter)
-        lines = []
+        room, lines = int((across - 38) / letter), []
         for index, (kind, step) in enumerate(items):
             row, column = divmod(index, columns)
             # a label never runs into the next column
             label = step["label"] if len(step["label"]) <= room else f"{step['label'][: room - 1]}…"
-            point = round(12 + across / columns * column, 1), self.size[1] + 9 + 1.5 * self.letters * row
-            lines.append((*point, label, kind, step))
-        return lines, 1.5 * self.letters * -(-len(items) // columns) + 6
+            x, y = round(12 + across / columns * column, 1), self.size[1] + 9 + below * row
+            lines.append((x, y, label, kind, step))
+        return lines, below * math.ceil(len(items) / columns) + 6
 
 
 def curves_chart(

@@ -261,34 +261,28 @@ def _drawn(chart: Chart, ax: "Axes | None") -> "Axes":
 
         _, ax = plt.subplots(layout="constrained")
     ax.set(xlabel=chart.x.label, ylabel=chart.y.label, title=chart.title)
-    for name, axis in (("x", chart.x), ("y", chart.y)):
+    for ticks, axis, limits in ((ax.xaxis, chart.x, ax.get_xlim()), (ax.yaxis, chart.y, ax.get_ylim())):
         # of axes that show something already, the union
-        limits = {"x": ax.get_xlim, "y": ax.get_ylim}[name]() if ax.has_data() else ()
-        extent = [axis.low, axis.high, *limits]
-        ax.set(**{f"{name}scale": "log" if axis.log else "linear", f"{name}lim": (min(extent), max(extent))})
-        _write_ticks({"x": ax.xaxis, "y": ax.yaxis}[name], axis)
+        extent = [axis.low, axis.high, *(limits if ax.has_data() else ())]
+        scale, ends = "log" if axis.log else "linear", (min(extent), max(extent))
+        ax.set(**{f"{ticks.axis_name}scale": scale, f"{ticks.axis_name}lim": ends})
+        _write_ticks(ticks, axis)
     for kind, step in chart.steps:
         if kind in _METHODS:
             _METHODS[kind](ax, chart, **step)
     if chart.top is not None:
         ratio = chart.top.low / chart.x.low
-        conversions: Any = partial(_times, ratio), partial(_times, 1 / ratio)
+        conversions: Any = partial(np.multiply, ratio), partial(np.multiply, 1 / ratio)
         secondary_axis = ax.secondary_xaxis("top", functions=conversions)
         secondary_axis.set_xlabel(chart.top.label)
         _write_ticks(secondary_axis.xaxis, chart.top)
     ax.set_axisbelow(True)
-    if chart.grid:
-        ax.grid(color="#dddddd")
-    else:
+    ax.grid(color="#dddddd")
+    if not chart.grid:
         ax.grid(visible=False)
     if ax.get_legend_handles_labels()[1]:
         ax.legend(**_LEGEND_STYLE)
     return ax
-
-
-def _times(ratio: float, values: Any) -> Any:
-    """Return values in another unit."""
-    return ratio * values
 
 
 def _write_ticks(ticks: Any, axis: Axis) -> None:
@@ -301,20 +295,17 @@ def _write_ticks(ticks: Any, axis: Axis) -> None:
         ticks.set_minor_formatter(NullFormatter())
 
 
-def _line(
-    ax: "Axes", _: Chart, *, x: Any, y: Any, colour: str, width: float, dash: str, label: str, **_rest: Any
-) -> None:
+def _line(ax: "Axes", _: Chart, *, x: Any, y: Any, colour: str, label: str, **look: Any) -> None:
     """Draw a line."""
-    style: Any = (0, tuple(float(dash_length) / width for dash_length in dash.split())) if dash else "-"
+    width, dashes = look["width"], [float(length) for length in look["dash"].split()]
+    style: Any = (0, tuple(length / width for length in dashes)) if dashes else "-"
     ax.plot(x, y, color=colour, linewidth=width * _POINTS, linestyle=style, label=label or None)
 
 
-def _marks(
-    ax: "Axes", _: Chart, *, x: Any, y: Any, colour: str, marker: str, filled: bool, label: str, **_rest: Any
-) -> None:
+def _marks(ax: "Axes", _: Chart, *, x: Any, y: Any, colour: str, label: str, **look: Any) -> None:
     """Draw marks."""
-    face = colour if filled else "none"
-    ax.plot(x, y, marker, color=colour, markerfacecolor=face, markersize=5, label=label or None)
+    face = colour if look["filled"] else "none"
+    ax.plot(x, y, look["marker"], color=colour, markerfacecolor=face, markersize=5, label=label or None)
 
 
 def _bars(ax: "Axes", chart: Chart, *, x: Any, lower: Any, upper: Any, colour: str, **_rest: Any) -> None:
@@ -323,9 +314,8 @@ def _bars(ax: "Axes", chart: Chart, *, x: Any, lower: Any, upper: Any, colour: s
     edges = (axis.low / 2, axis.high * 2) if axis.log else (2 * axis.low, 2 * axis.high)
     open_ended = np.isnan(upper) & np.isfinite(lower)
     low, high = (np.clip(bound, *edges) for bound in (lower, np.where(open_ended, edges[1], upper)))
-    ax.errorbar(
-        x, high, yerr=[high - low, np.zeros_like(high)], fmt="none", ecolor=colour, elinewidth=1, capsize=2
-    )
+    sides = [high - low, np.zeros_like(high)]
+    ax.errorbar(x, high, yerr=sides, fmt="none", ecolor=colour, elinewidth=1, capsize=2)
     if open_ended.any():  # at the upper edge, whatever the other axis shows
         style: Any = {"marker": "^", "markersize": 4, "linestyle": "", "color": colour, "clip_on": False}
         ax.plot(x[open_ended], np.ones(open_ended.sum()), transform=ax.get_xaxis_transform(), **style)
@@ -335,16 +325,11 @@ def _values(ax: "Axes", chart: Chart, *, values: Any, bar: Axis, colours: str, b
     """Draw a map with its colour bar."""
     import matplotlib
 
-    image = ax.imshow(
-        values,
-        origin="lower",
-        extent=(chart.x.low, chart.x.high, chart.y.low, chart.y.high),
-        cmap=matplotlib.colormaps[colours].with_extremes(bad=bad),
-        vmin=bar.low,
-        vmax=bar.high,
-        interpolation="nearest",
-        aspect="auto" if "not to scale" in chart.y.label else "equal",
-    )
+    extent = chart.x.low, chart.x.high, chart.y.low, chart.y.high
+    colour_map = matplotlib.colormaps[colours].with_extremes(bad=bad)
+    style: Any = {"vmin": bar.low, "vmax": bar.high, "interpolation": "nearest", "origin": "lower"}
+    style |= {"aspect": "auto" if "not to scale" in chart.y.label else "equal"}
+    image = ax.imshow(values, extent=extent, cmap=colour_map, **style)
     ax.figure.colorbar(image, ax=ax, label=bar.label)
 
 

@@ -62,12 +62,10 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str, limit: float |
         resistances = [value for name in names for value in np.ravel(plain[name])]
         finite = [value for value in resistances if 0 < value < np.inf] or [1e-3]
         return Unit(*prefix(limit or float(np.median(finite)), printed(unit)))
-    heaviest_load = float(np.max(np.nan_to_num(plain.get("mean_pressure", 0.0))))
-    pressure = pressure_unit(float(plain.get("contact_modulus", np.nan)), heaviest_load)
-    if unit == "Pa":
-        return pressure
-    if unit == "Pa m-1":
-        return Unit(pressure.factor * 1e-6, f"{pressure.symbol}/µm")
+    if unit in ("Pa", "Pa m-1"):
+        heaviest_load = float(np.max(np.nan_to_num(plain.get("mean_pressure", 0.0))))
+        pressure = pressure_unit(float(plain.get("contact_modulus", np.nan)), heaviest_load)
+        return pressure if unit == "Pa" else Unit(pressure.factor * 1e-6, f"{pressure.symbol}/µm")
     if unit == "m along":
         # a profile has a length alone
         return length_unit(np.nanmax([float(plain.get(f"window_length_{axis}", 0.0)) for axis in "xy"]))
@@ -96,11 +94,9 @@ def stated_loads(numbers: Numbers) -> Loads:
     """
     kind = facts_of_numbers(numbers)
     loads = np.asarray(numbers[kind.load], float)
-    if kind.load_unit == "Pa":
-        unit = unit_of(numbers, "Pa")
-        texts = [unit.text(load) for load in loads.tolist()]
-    else:  # forces of any size: each has a prefix of its own
-        unit = Unit(*prefix(loads.max(), kind.load_unit))
+    unit = unit_of(numbers, "Pa") if kind.load_unit == "Pa" else Unit(*prefix(loads.max(), kind.load_unit))
+    texts = [unit.text(load) for load in loads.tolist()]
+    if kind.load_unit != "Pa":  # forces of any size: each has a prefix of its own
         texts = [quantity(load, kind.load_unit) for load in loads.tolist()]
     return Loads(kind.load_in_words, loads * unit.factor, f"{kind.load_in_words} ({unit.symbol})", texts)
 
@@ -204,9 +200,9 @@ def length_unit(longest: float) -> Unit:
     """
     if 0 < longest < 1e-6:
         return Unit(1e9, "nm")
-    if longest >= 1e-2:
-        return Unit(1e3, "mm") if longest < 10 else Unit(1.0, "m")
-    return Unit(1e6, "µm")
+    if longest < 1e-2:
+        return Unit(1e6, "µm")
+    return Unit(1e3, "mm") if longest < 10 else Unit(1.0, "m")
 
 
 def median_numbers(results: Sequence[xr.Dataset]) -> dict[str, float]:
