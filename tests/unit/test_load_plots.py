@@ -37,13 +37,6 @@ def numbers(**options):
     )
 
 
-def area_at(loads, areas, name="mean_pressure", **ends):
-    """Return the statistics of areas at some loads alone."""
-    columns = {name: loads, "relative_contact_area": areas}
-    columns |= {f"relative_contact_area_{end}": values for end, values in ends.items()}
-    return xr.Dataset({name: ("load", values) for name, values in columns.items()})
-
-
 def near(values, tolerance=WITHIN):
     return pytest.approx(np.asarray(values), rel=tolerance)
 
@@ -101,9 +94,7 @@ def test_contact_area_and_theories_against_the_load():
 
 def test_surfaces_side_by_side():
     loads = {"ground": LOADS, "lapped": 2 * LOADS}
-    results = {
-        name: area_at(load, AREAS, lower=0.9 * AREAS, upper=1.2 * AREAS) for name, load in loads.items()
-    }
+    results = {name: numbers().assign(mean_pressure=("load", load)) for name, load in loads.items()}
     drawn = read_chart(load_plots.compare_areas(results, pressure=Unit(1e-6, "MPa")), log="xy")
     assert "mean pressure (MPa)" in drawn.texts
     assert "Persson" not in drawn.legend  # over the pressure itself there is no line that fits all
@@ -130,9 +121,8 @@ def test_an_interval_down_to_nothing_does_not_squeeze_what_is_drawn():
 
 
 def test_surfaces_side_by_side_relative_to_their_gradients():
-    drawn = read_chart(
-        load_plots.compare_areas({"ground": area_at(LOADS / 1e9, AREAS, "relative_pressure")}), log="xy"
-    )
+    of_areas = numbers()[["relative_contact_area", "relative_pressure"]]
+    drawn = read_chart(load_plots.compare_areas({"ground": of_areas}), log="xy")
     assert "mean pressure / (contact modulus × rms gradient)" in drawn.texts
     assert_room(drawn)
     assert drawn.labelled("ground").x == near(LOADS / 1e9)
@@ -149,7 +139,7 @@ def test_every_surface_of_many_has_a_mark_of_its_own():
 
 def test_surfaces_are_colours_and_cases_are_line_styles():
     names = [(surface, case) for case in range(2) for surface in range(2)]
-    results = {f"{surface} · {('first', 'second')[case]}": area_at(LOADS, AREAS) for surface, case in names}
+    results = {f"{surface} · {('first', 'second')[case]}": numbers() for surface, case in names}
     drawn = read_chart(load_plots.compare_areas(results, names, pressure=Unit(1e-6, "MPa")), log="xy")
     seen = [(line.colour, line.style) for line in drawn.lines]
     assert seen == [(COLOURS[surface], "6 3" if case else "") for surface, case in names]

@@ -79,27 +79,24 @@ def _table(
     all_cases = [cases for cases, _ in selection]
     names, pairs = list(all_cases[0]), [pair for pair, indices in reference_loads.indices.items() if indices]
     middle = median_numbers([cases[names[0]] for cases in all_cases])
+    pressures = {name: data["mean_pressure"].values for name, data in all_cases[0].items()}
+    lowest = [min(pressures[name][i] for name, i in row.items()) for row in reference_loads.rows]
     groups = []
-
-    def pressure_of(entry: tuple[int, Row]) -> float:
-        """Return the lowest mean pressure of a row."""
-        return min(float(all_cases[0][name]["mean_pressure"][index]) for name, index in entry[1].items())
-
-    for name in COMPARED if reference_loads.rows else ():
+    for name in COMPARED if lowest else ():
         unit, rows = unit_of(middle, UNITS[name]), []
-        for number_of_row, row in sorted(enumerate(reference_loads.rows), key=pressure_of):
-            at_load = {
-                case: [(cases[case], loads.rows[number_of_row][case]) for cases, loads in selection]
-                for case in row
-            }
+        for place in np.argsort(lowest, kind="stable").tolist():
+            row = reference_loads.rows[place]
+            at_load = {case: [(cases[case], of.rows[place][case]) for cases, of in selection] for case in row}
             cells = [value(at_load[case], name, unit) if case in row else "–" for case in names]
             for pair in pairs:
-                indices = row.get(pair[0], -1), row.get(pair[1], -1)
-                if indices not in reference_loads.indices[pair]:
+                indices, compared = (
+                    (row.get(pair[0], -1), row.get(pair[1], -1)),
+                    reference_loads.indices[pair],
+                )
+                if indices not in compared:
                     cells.append("–")
                     continue
-                position = reference_loads.indices[pair].index(indices)
-                ratios = [_interval(loads.changes[pair], name, position) for _, loads in selection]
+                ratios = [_interval(of.changes[pair], name, compared.index(indices)) for _, of in selection]
                 cells.append(change(_changes([at_load[case] for case in pair], name, ratios)))
             rows.append([_load(at_load), *cells])
         groups.append({"title": TITLES[name], "rows": rows})
@@ -121,11 +118,9 @@ def _shared(cases: Cases, *, equal_loads: bool) -> _Shared:
     # as stated: between them, where loads rise, lie those of targets, at other places under other cases
     order = {name: data.get("place", data["mean_pressure"]).values for name, data in cases.items()}
     for pair in case_pairs(list(cases)):
-        datasets = cases[pair[0]], cases[pair[1]]
-        indices = paired_loads(*datasets, as_stated=equal_loads)
-        changes[pair] = case_differences(
-            *(data.isel(load=positions) for data, positions in zip(datasets, indices, strict=True))
-        )
+        indices = paired_loads(*(cases[name] for name in pair), as_stated=equal_loads)
+        shared = (cases[name].isel(load=positions) for name, positions in zip(pair, indices, strict=True))
+        changes[pair] = case_differences(*shared)
         pairwise[pair] = [(int(i), int(j)) for i, j in zip(*indices, strict=True)]
         for pair_indices in pairwise[pair]:
             loads = dict(zip(pair, pair_indices, strict=True))

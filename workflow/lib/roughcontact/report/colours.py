@@ -62,11 +62,11 @@ def coloured(
     if together > 1:
         level, share = _averaged(level, missing, together)
     # colours of a byte, shared by levels and by shares of missing points
-    steps = _SHARES if together > 1 and missing.any() else 2
-    of_colours = 256 // steps if missing.any() else 256
+    steps = (_SHARES if together > 1 else 2) if missing.any() else 1
+    of_colours = 256 // steps
     index = np.rint(level * (of_colours - 1)).astype(np.uint8)
     index += (np.rint(share * (steps - 1)) * of_colours).astype(np.uint8)
-    picture = _png(index, _palette(colours, of_colours, bad, steps if missing.any() else 1))
+    picture = _png(index, _palette(colours, of_colours, bad, steps))
     source = "data:image/png;base64," + base64.b64encode(picture).decode()
     return source, max(index.shape) < _FEW_POINTS
 
@@ -83,13 +83,13 @@ def _png(index: np.ndarray, palette: bytes) -> bytes:
     height, width = index.shape
     # filter "up" of PNG (2), row by row
     rows = np.diff(index, axis=0, prepend=np.uint8(0))
-    components = [
-        (b"IHDR", struct.pack(">2I5B", width, height, 8, 3, 0, 0, 0)),
-        (b"PLTE", palette),
-        (b"IDAT", zlib.compress(np.insert(rows, 0, 2, axis=1).tobytes(), 4)),
-        (b"IEND", b""),
-    ]
-    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*component) for component in components)
+    components = {
+        b"IHDR": struct.pack(">2I5B", width, height, 8, 3, 0, 0, 0),
+        b"PLTE": palette,
+        b"IDAT": zlib.compress(np.insert(rows, 0, 2, axis=1).tobytes(), 4),
+        b"IEND": b"",
+    }
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*component) for component in components.items())
 
 
 def _averaged(level: np.ndarray, missing: np.ndarray, together: int) -> tuple[np.ndarray, np.ndarray]:
@@ -111,6 +111,6 @@ def _palette(name: str, of_colours: int, bad: str, steps: int) -> bytes:
     # linear between the anchors, channel by channel
     channels = zip(*anchors, strict=True)
     scale = np.column_stack([np.interp(indices, np.arange(len(anchors)), channel) for channel in channels])
-    shares = np.linspace(0, 1, steps)[:, None, None] if steps > 1 else np.zeros((1, 1, 1))
+    shares = np.linspace(0, 1, steps)[:, None, None]
     blends = (1 - shares) * scale + shares * np.array(missing_colour)
     return np.rint(blends).astype(np.uint8).tobytes()

@@ -111,8 +111,7 @@ def date_text(measured_map: xr.DataArray) -> str:
     '2011-07-23'
     """
     date = json_attribute(measured_map.attrs, "instrument").get("acquisition_time", "")
-    result = re.match(r"\d{4}-\d\d-\d\d", str(date))
-    return result[0] if result else ""
+    return "".join(re.findall(r"^\d{4}-\d\d-\d\d", str(date)))
 
 
 def versions(numbers: xr.Dataset) -> str:
@@ -137,11 +136,13 @@ def measured_caption(measured_map: xr.DataArray) -> str:
     >>> measured_caption(height_map(np.array([[0.0, np.nan], [0.0, 1e-6]]), 1e-6))
     '1 point not measured (pink).'
     """
-    missing = measured_map.attrs.get("missing_points", 0)
-    if not missing:
-        return "Every point was measured."
-    colour = "" if are_lines(measured_map) else " (pink)"
-    return f"{counted_noun(missing, 'point')} not measured{colour}."
+    colour, missing = (
+        "" if are_lines(measured_map) else " (pink)",
+        measured_map.attrs.get("missing_points", 0),
+    )
+    return (
+        f"{counted_noun(missing, 'point')} not measured{colour}." if missing else "Every point was measured."
+    )
 
 
 def levelled_caption(levelled_map: xr.DataArray) -> str:

@@ -176,14 +176,10 @@ def _range(answer: xr.Dataset, name: str, prefix: str, units: Mapping[str, Unit]
 
 def _scatter(load: xr.Dataset) -> Cell:
     """Return the standard deviations of the area between parts and between maps."""
-    available = {
-        text: float(load[f"{AREA}_{key}"])
-        for key, text in (("between", "parts"), ("within", "maps"))
-        if np.isfinite(load[f"{AREA}_{key}"])
-    }
-    if len(available) == 1:
-        return Cell(percent(*available.values()))
-    return Cell(", ".join(f"{text} {percent(value)}" for text, value in available.items()) or "–")
+    deviations = {"parts": float(load[f"{AREA}_between"]), "maps": float(load[f"{AREA}_within"])}
+    texts = {name: percent(value) for name, value in deviations.items() if np.isfinite(value)}
+    named = [f"{name} {text}" for name, text in texts.items()]
+    return Cell(", ".join(texts.values() if len(texts) == 1 else named) or "–")
 
 
 def differences_in_words(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> str:
@@ -232,11 +228,10 @@ def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[Key, xr.Dataset]
         answer, index = group.answer, _shown(group)[-1]
         (load, area, *_) = group_cells(answer, glance.glance_units([answer])[0], index)
         known = ", ".join(filter(None, (area.details, area.known)))
-        words = [f"contact area {area.text}{f' ({known})' if known else ''}"]
         of_maps = {str(name): maps[str(name), group.case] for name in answer["map"].values}
         pressure = float(answer["mean_pressure"][index])
         loads = {name: (data, _nearest_load(data, pressure)) for name, data in of_maps.items()}
-        words = [*holding_in_words(loads), *words]
+        words = [*holding_in_words(loads), f"contact area {area.text}{f' ({known})' if known else ''}"]
         sentences.append(f"{group.label} at {load.text}: {', '.join(words)}")
     return f"{'; '.join(sentences)}." if sentences else ""
 
@@ -342,16 +337,13 @@ def _comparison(part: xr.Dataset, name: str, without_ratio: Sequence[str]) -> Ro
 
     `without_ratio` says at which loads, if there are any, nothing is compared, and why.
     """
-    cells, outcomes = [], []
-    for index, outcome in enumerate(part["outcome"].values.tolist()):
-        if without_ratio and without_ratio[index]:
-            cells.append(Cell("–"))
-            outcomes.append(without_ratio[index])
-            continue
+    cells, outcomes = [], [str(outcome) for outcome in part["outcome"].values]
+    for index, reason in enumerate(without_ratio or [""] * len(outcomes)):
         ratio, low, high = (float(part[key][index]) for key in ("ratio", "ratio_lower", "ratio_upper"))
         text, *_ = with_interval(ratio, low, high, finest=_FINEST).split()
         has_interval = np.isfinite([low, high]).any()
-        cells.append(Cell(text, with_interval(np.nan, low, high, finest=_FINEST) if has_interval else ""))
-        outcomes.append(str(outcome))
+        interval = with_interval(np.nan, low, high, finest=_FINEST) if has_interval else ""
+        cells.append(Cell("–") if reason else Cell(text, interval))
+        outcomes[index] = reason or outcomes[index]
     equal = len(set(outcomes)) == 1
     return {"quantity": TITLES[name], "cells": cells, "outcomes": outcomes[:1] if equal else outcomes}

@@ -18,10 +18,9 @@ from roughcontact.report import groups as group_section
 from roughcontact.report.asked import describe_problem, measured_in_words, same_loads
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.courses import answer_with_courses, course_sections
-from roughcontact.report.files import from_page
 from roughcontact.report.groups import Key, Row, name_under
 from roughcontact.report.load_plots import compare_areas, line_style
-from roughcontact.report.summary import read_summary
+from roughcontact.report.summary import from_page, read_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.results.collect import Entry, Failure, file_of, solved_results
@@ -97,6 +96,7 @@ def write_report(
         rows.append(row)
         if not many:  # that of the table below
             last[key] = row["loads"][-1]
+    cases_of_run = dict.fromkeys([*(case for _, case in series), *(failure["case"] for failure in failures)])
     causes: dict[tuple[str, str], list[str | None]] = {}
     for failure in failures:
         causes.setdefault((failure["surface"], failure["reason"]), []).append(failure["case"])
@@ -112,6 +112,7 @@ def write_report(
         last = dict(zip(series, glance.loads_to_compare(results, glance.AREAS[-1]), strict=True))
     several = group_section.answer_of_several(groups, compared, series, last)
     cases = {name: case_table(by_case, equal_loads=equal_loads) for name, by_case in by_surface.items()}
+    verdicts = {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}
     head = {
         "title": title,
         "version": __version__,
@@ -136,11 +137,7 @@ def write_report(
         many=many,
         doubts=Counter(doubt for row in rows for doubt in row["doubts"]).most_common(),
         surfaces=len(by_surface),
-        cases_of_run=[
-            *dict.fromkeys(
-                case for _, case in [*series, *((f["surface"], f["case"]) for f in failures)] if case
-            )
-        ],
+        cases_of_run=[*filter(None, cases_of_run)],
         which_load=_which_load(indices, results),
         # of so many that an index stands for them, lines over one another tell nothing
         comparisons=[] if many else _comparisons(series, styles, bool(group_of_surface)),
@@ -148,9 +145,7 @@ def write_report(
         courses=[row["courses"] for row in rows],
         parts=[] if many else _parts(rows, folder),
         failures=failure_rows,
-        groups=group_section.group_rows(
-            groups, {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}
-        ),
+        groups=group_section.group_rows(groups, verdicts),
         group_headings=group_section.HEADINGS,
         group_picture=group_section.group_picture(groups) if groups else None,
         left_out=omissions,
@@ -268,8 +263,7 @@ def _compared(data: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[R
 
 def _which_load(indices: Sequence[int], results: Sequence[xr.Dataset]) -> str:
     """Return the load at which the surfaces of the index are compared, in words."""
-    if len({(index, data.sizes["load"]) for index, data in zip(indices, results, strict=True)}) == 1:
-        return (
-            f"at load {indices[0] + 1} of {results[0].sizes['load']}, at which the contact of most is nearest"
-        )
-    return "at that load at which its contact is nearest"
+    places = {(index + 1, data.sizes["load"]) for index, data in zip(indices, results, strict=True)}
+    if len(places) > 1:
+        return "at that load at which its contact is nearest"
+    return "at load {} of {}, at which the contact of most is nearest".format(*places.pop())

@@ -16,10 +16,9 @@ from roughcontact.arguments.quantities import percent
 from roughcontact.report import captions, facts, glance, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
-from roughcontact.report.files import relative_links
 from roughcontact.report.groups import name_under
 from roughcontact.report.methods import methods_paragraph
-from roughcontact.report.summary import write_summary
+from roughcontact.report.summary import relative_links, write_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import stated_loads, unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
