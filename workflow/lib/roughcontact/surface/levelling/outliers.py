@@ -4,6 +4,8 @@ Ridges, steps, pits and scratches are kept, however high, because the highest po
 """
 
 from collections import Counter
+from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -40,26 +42,22 @@ def find_outliers(values: np.ndarray, *, threshold: float) -> tuple[np.ndarray, 
     """
     counts: Counter[str] = Counter()
     outliers = np.zeros(values.shape, dtype=bool)
+    finders = {
+        "spike": partial(_spikes, threshold=threshold),
+        "sentinel": _sentinels,
+        "dead_line": _dead_lines,
+    }
     # repeatedly: an extreme spike may mask a smaller one by widening the spread around it
     for _ in range(_MAX_ROUNDS):
         previous_counts = counts.copy()
-        for outlier_kind, finder in (
-            ("spike", lambda v, rejections: _spikes(v, rejections, threshold)),
-            ("sentinel", lambda v, rejections: _sentinels(_mask_rejected(v, rejections))),
-            ("dead_line", lambda v, rejections: _dead_lines(_mask_rejected(v, rejections))),
-        ):
-            new = finder(values, outliers)
+        for outlier_kind, finder in finders.items():
+            new = finder(np.where(outliers, np.nan, values) if outliers.any() else values)
             if new.any():
                 counts[outlier_kind] += int(new.sum())
                 outliers |= new
         if counts == previous_counts:
             break
     return outliers, counts
-
-
-def _mask_rejected(values: np.ndarray, rejections: np.ndarray) -> np.ndarray:
-    """Return heights with rejected points removed (NaN); the same array if none is rejected."""
-    return np.where(rejections, np.nan, values) if rejections.any() else values
 
 
 def _sentinels(values: np.ndarray) -> np.ndarray:
@@ -124,48 +122,46 @@ def _median_distance(lines: np.ndarray, neighbours: np.ndarray) -> np.ndarray:
     return result
 
 
-def _spikes(values: np.ndarray, rejections: np.ndarray, threshold: float) -> np.ndarray:
+def _spikes(values: np.ndarray, threshold: float) -> np.ndarray:
     """Return the mask of points, alone or in small groups, that deviate from their surroundings."""
     result = np.zeros(values.shape, dtype=bool)
-    if max(values.shape) <= 2 * _MEDIAN_HALF_WIDTH or (rejections | np.isnan(values)).all():
+    if max(values.shape) <= 2 * _MEDIAN_HALF_WIDTH or np.isnan(values).all():
         return result
     ring_half_width = _PROFILE_RING_HALF_WIDTH if min(values.shape) == 1 else _RING_HALF_WIDTH
-    median_half_widths, ring_half_widths = (
+    # the ring needs a border beyond the map as wide as it reaches
+    half_widths, border = (
         [min(half_width, n - 1) for n in values.shape] for half_width in (_MEDIAN_HALF_WIDTH, ring_half_width)
     )
     # memory may not hold more than is needed of a large map: arrays are deleted or reused early
-    residual = _subtract_tilt(_mask_rejected(values, rejections))
+    residual = _subtract_tilt(values)
     missing = np.isnan(residual)
     heights = residual[~missing]
     floor = 1e-12 * np.ptp(heights)  # heights that differ by rounding alone are no spikes
     heights -= np.median(heights)
     global_scale = robust_scale(heights, overwrite=True)
     del heights
-    reference = _reference_points(missing)
-    field = _extended_beyond_border(
-        _replace_missing(residual, reference, median_half_widths), median_half_widths, ring_half_widths
-    )
+    # islands as small as a spike neither replace missing points nor are surroundings: they would be their own
+    islands = _small_groups(~missing) > 0 if missing.any() else missing
+    reference = ~(missing | islands)
+    if not reference.any():
+        reference = ~missing
+    field = _extended_beyond_border(_replace_missing(residual, reference, half_widths), half_widths, border)
     del residual
-    is_reference = np.pad(reference, [(f, f) for f in ring_half_widths], mode="reflect")
-    del reference
-    inner = tuple(slice(f, f + n) for f, n in zip(ring_half_widths, values.shape, strict=True))
-    medians = _medians(field, median_half_widths, ring_half_widths)
+    reference = np.pad(reference, [(b, b) for b in border], mode="reflect")
+    inner = tuple(slice(b, b + n) for b, n in zip(border, values.shape, strict=True))
+    medians = _medians(field, half_widths, border)
     deviation = np.subtract(field[inner], medians, out=medians)
-    del medians
     deviation[missing] = 0
     scale = robust_scale(deviation[~missing], overwrite=True)
     # extreme spikes exceed disturbed patches that are too large for a group
     for limit in (threshold, _EXTREME_FACTOR * threshold):
         smallest_deviation = max(limit * scale, floor)
         groups = _small_groups(deviation > smallest_deviation)
-        groups = _drop_bumps(groups, deviation, field, missing, ring_half_widths)
-        is_spike = groups > 0
-        groups = _small_groups(deviation < -smallest_deviation)
-        is_spike |= groups > 0
-        del groups
+        is_spike = _drop_bumps(groups, deviation, field, missing, border) > 0
+        is_spike |= _small_groups(deviation < -smallest_deviation) > 0
         where = np.argwhere(is_spike)
         if where.size:
-            spread, coverage = _ring(field, is_reference, where, median_half_widths, ring_half_widths)
+            spread, coverage = _ring(field, reference, where, half_widths, border)
             # points without surroundings are compared with the whole map
             spread = np.where(coverage < _MIN_RING_SHARE, np.maximum(spread, global_scale), spread)
             worst = np.abs(deviation[tuple(where.T)]) > limit * spread
@@ -184,16 +180,6 @@ def _medians(field: np.ndarray, half_widths: list[int], border: list[int]) -> np
     return medians[tuple(slice(b, n - b) for b, n in zip(border, medians.shape, strict=True))]
 
 
-def _reference_points(missing: np.ndarray) -> np.ndarray:
-    """Return the mask of measured points that may replace missing ones and form surroundings.
-
-    Islands as small as a spike are excluded: they would be their own surroundings.
-    """
-    islands = _small_groups(~missing) > 0 if missing.any() else missing
-    reference = ~(missing | islands)
-    return reference if reference.any() else ~missing
-
-
 def _replace_missing(residual: np.ndarray, reference: np.ndarray, half_widths: list[int]) -> np.ndarray:
     """Return the heights with missing points replaced, for the median filter only.
 
@@ -209,26 +195,18 @@ def _replace_missing(residual: np.ndarray, reference: np.ndarray, half_widths: l
         np.ravel_multi_index(nearest[:, missing], residual.shape), return_inverse=True
     )
     del nearest
-    steps = np.meshgrid(*(np.arange(-n, n + 1) for n in half_widths), indexing="ij")
-    offsets = np.stack(steps, axis=-1).reshape(-1, 2)
-    padded_residual = np.pad(residual, [(n, n) for n in half_widths], constant_values=np.nan)
-    padded_residual[tuple(slice(n, n + side) for n, side in zip(half_widths, residual.shape, strict=True))][
-        ~reference
-    ] = np.nan
+    border = [(n, n) for n in half_widths]
+    padded_residual = np.pad(np.where(reference, residual, np.nan), border, constant_values=np.nan)
+    positions = np.stack(np.unravel_index(references, residual.shape), axis=-1) + half_widths
     medians = np.empty(references.size)
-    for start in range(0, references.size, _GATHER_CHUNK):
-        block = slice(start, start + _GATHER_CHUNK)
-        positions = np.stack(np.unravel_index(references[block], residual.shape), axis=-1)
-        index = positions[:, None, :] + offsets[None, :, :] + np.asarray(half_widths)
-        medians[block] = np.nanmedian(padded_residual[index[..., 0], index[..., 1]], axis=1)
+    for block, index in _neighbourhoods(positions, _offsets(half_widths)):
+        medians[block] = np.nanmedian(padded_residual[index], axis=1)
     result = residual.copy()
     result[missing] = medians[reference_index]
     return result
 
 
-def _extended_beyond_border(
-    residual: np.ndarray, median_half_widths: list[int], ring_half_widths: list[int]
-) -> np.ndarray:
+def _extended_beyond_border(residual: np.ndarray, half_widths: list[int], border: list[int]) -> np.ndarray:
     """Return the heights extended beyond each border by point reflection, which continues slopes.
 
     The reflection is about the median of neighbouring border points, so that a spike on the border is not
@@ -238,13 +216,28 @@ def _extended_beyond_border(
 
     for axis in (0, 1):
         heights = residual if axis == 0 else residual.T
-        count, along = ring_half_widths[axis], 2 * median_half_widths[1 - axis] + 1
+        count, along = border[axis], 2 * half_widths[1 - axis] + 1
         if count:
             top, last = (ndimage.median_filter(heights[row], size=along) for row in (0, -1))
             upper, lower = 2 * top - heights[count:0:-1], 2 * last - heights[-2 : -2 - count : -1]
             heights = np.concatenate([upper, heights, lower])
         residual = heights if axis == 0 else heights.T
     return residual
+
+
+def _offsets(half_widths: list[int]) -> np.ndarray:
+    """Return the points (number, 2) of a rectangle, row by row, relative to its middle."""
+    return np.argwhere(np.ones([2 * n + 1 for n in half_widths])) - half_widths
+
+
+def _neighbourhoods(
+    positions: np.ndarray, offsets: np.ndarray
+) -> Iterator[tuple[slice, tuple[np.ndarray, np.ndarray]]]:
+    """Yield blocks of positions (number, 2), and the indices of the points at the offsets from each."""
+    for start in range(0, len(positions), _GATHER_CHUNK):
+        block = slice(start, start + _GATHER_CHUNK)
+        index = positions[block, None, :] + offsets
+        yield block, (index[..., 0], index[..., 1])
 
 
 def _small_groups(candidates: np.ndarray) -> np.ndarray:
@@ -263,11 +256,7 @@ def _small_groups(candidates: np.ndarray) -> np.ndarray:
 
 
 def _drop_bumps(
-    groups: np.ndarray,
-    deviation: np.ndarray,
-    field: np.ndarray,
-    missing: np.ndarray,
-    ring_half_widths: list[int],
+    groups: np.ndarray, deviation: np.ndarray, field: np.ndarray, missing: np.ndarray, border: list[int]
 ) -> np.ndarray:
     """Return the groups whose mean of 4 f (1 - f) around the highest point is below `_MIN_BUMP_SCORE`.
 
@@ -285,23 +274,21 @@ def _drop_bumps(
     # points sorted by height within each group; the last one is its peak
     order = np.lexsort((deviation[tuple(where.T)], of_point))
     peaks = where[order[np.cumsum(counts) - 1]]
-    reach = [min(2 * _MEDIAN_HALF_WIDTH, f) for f in ring_half_widths]
-    steps = np.stack(np.meshgrid(*(np.arange(-r, r + 1) for r in reach), indexing="ij"))
-    ring = np.abs(steps).max(axis=0) > _MEDIAN_HALF_WIDTH
-    padded_missing = np.pad(missing, [(f, f) for f in ring_half_widths])
+    reach = [min(2 * _MEDIAN_HALF_WIDTH, f) for f in border]
+    offsets, sides = _offsets(reach), [2 * r + 1 for r in reach]
+    ring = np.abs(offsets).max(axis=1).reshape(sides) > _MEDIAN_HALF_WIDTH
+    padded_missing = np.pad(missing, [(b, b) for b in border])
     cross = np.zeros((3, 3, 3), dtype=bool)
     cross[1] = ndimage.generate_binary_structure(2, 1)  # windows are not connected with one another
     is_bump = np.zeros(numbers.size, dtype=bool)
-    for start in range(0, numbers.size, _GATHER_CHUNK):
-        block = slice(start, start + _GATHER_CHUNK)
-        index = peaks[block, :, None, None] + steps + np.reshape(ring_half_widths, (1, 2, 1, 1))
-        window = field[index[:, 0], index[:, 1]]
+    for block, index in _neighbourhoods(peaks + border, offsets):
+        window = field[index].reshape(-1, *sides)
         base = np.median(window[:, ring], axis=1)[:, None, None]
         height = window[:, reach[0], reach[1]][:, None, None] - base
         share = (window - base) / np.where(height > 0, height, np.inf)
         tops, _ = ndimage.label(share >= 0.5, structure=cross)
         top = (tops == tops[:, reach[0], reach[1]][:, None, None]) & (tops > 0)
-        around = ndimage.binary_dilation(top, structure=cross) & ~padded_missing[index[:, 0], index[:, 1]]
+        around = ndimage.binary_dilation(top, structure=cross) & ~padded_missing[index].reshape(top.shape)
         share = np.maximum(share, 0)  # a moat around a bump does not count against it
         straddling = np.sum(4 * share * (1 - share) * around, axis=(1, 2))
         is_bump[block] = straddling >= _MIN_BUMP_SCORE * np.maximum(around.sum(axis=(1, 2)), 1)
@@ -310,36 +297,28 @@ def _drop_bumps(
 
 
 def _ring(
-    field: np.ndarray,
-    is_reference: np.ndarray,
-    where: np.ndarray,
-    median_half_widths: list[int],
-    ring_half_widths: list[int],
+    field: np.ndarray, is_reference: np.ndarray, where: np.ndarray, half_widths: list[int], border: list[int]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the standard deviation of the heights in the ring around each point, and the measured share."""
-    steps = (np.arange(-f, f + 1) for f in ring_half_widths)
-    offsets = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 2)
-    offsets = offsets[(np.abs(offsets) > median_half_widths).any(axis=1)]
+    offsets = _offsets(border)
+    offsets = offsets[(np.abs(offsets) > half_widths).any(axis=1)]
     spread, coverage = np.empty(len(where)), np.empty(len(where))
-    for start in range(0, len(where), _GATHER_CHUNK):
-        block = slice(start, start + _GATHER_CHUNK)
-        index = where[block, None, :] + offsets[None, :, :] + np.asarray(ring_half_widths)
-        ring = field[index[..., 0], index[..., 1]]
+    for block, index in _neighbourhoods(where + border, offsets):
+        ring = field[index]
         deviation = np.abs(ring - np.median(ring, axis=1, keepdims=True))
         # 90 % of a normal distribution lie within 1.645 standard deviations, which a few spikes do not change
         spread[block] = np.quantile(deviation, 0.9, axis=1) / 1.645
-        coverage[block] = is_reference[index[..., 0], index[..., 1]].mean(axis=1)
+        coverage[block] = is_reference[index].mean(axis=1)
     return spread, coverage
 
 
 def _subtract_tilt(values: np.ndarray) -> np.ndarray:
     """Return the heights less the tilt of the map, fitted to a subset of the points."""
     stride = max(1, int(np.sqrt(values.size / _PLANE_POINTS)))
-    coordinates = [np.arange(n, dtype=float) for n in values.shape]
+    y, x = (np.arange(n, dtype=float) for n in values.shape)
     thin = values[::stride, ::stride]
     if np.isnan(thin).all():
         return values
-    _, tilt = fit_polynomial(thin, [c[::stride] for c in coordinates], order=1, robust=True)
-    y, x = coordinates
+    _, tilt = fit_polynomial(thin, (y[::stride], x[::stride]), order=1, robust=True)
     tilt_plane = tilt["slope_y"]["value"] * y[:, None] + tilt["slope_x"]["value"] * x[None, :]
     return np.subtract(values, tilt_plane, out=tilt_plane)

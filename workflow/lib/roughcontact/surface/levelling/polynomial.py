@@ -30,20 +30,19 @@ def fit_polynomial(
     reference = float(np.median(values[is_measured], overwrite_input=True))
     heights = values - reference
     heights[~is_measured] = 0.0
-    axes = [_Axis(c, min(order, n - 1)) for c, n in zip(coordinates, values.shape, strict=True)]
-    terms = [(j, i) for j in range(axes[0].order + 1) for i in range(axes[1].order + 1) if i + j <= order]
-    if order == 0 and not robust:
+    basis = _Basis(coordinates, order)
+    if robust:
+        coefficients = _fit_robust(basis, heights, is_measured)
+    elif order == 0:
         coefficients = np.full((1, 1), heights.sum() / is_measured.sum())
-    elif robust:
-        coefficients = _fit_robust(heights, is_measured, axes, terms)
     else:
-        coefficients = _fit_weighted(heights, is_measured.astype(float), axes, terms)
+        coefficients = basis.fit(heights, is_measured.astype(float))
     del heights  # memory may not hold more than is needed of a large map
-    form = _evaluate(coefficients, axes)
+    form = basis.at_points(coefficients)
     form += reference
     coefficients = coefficients.copy()
     coefficients[0, 0] += reference
-    return form, _record(coefficients, axes, order)
+    return form, _record(coefficients, basis, order)
 
 
 def subtract_form(values: np.ndarray, form: np.ndarray) -> np.ndarray:
@@ -113,95 +112,75 @@ def polynomial_from_record(record: Mapping[str, Mapping], y: npt.ArrayLike, x: n
     )
 
 
-class _Axis:
-    """Legendre polynomials along one axis, on its coordinates mapped to [-1, 1]."""
+class _Basis:
+    """Legendre polynomials P_j(Y) P_i(X), j + i <= order, of coordinates (y, x) mapped to [-1, 1]."""
 
-    def __init__(self, coordinate: np.ndarray, order: int):
-        coordinate = np.asarray(coordinate, dtype=float)
-        self.order = order
-        self.middle = (coordinate[0] + coordinate[-1]) / 2
-        # 1 for a single line
-        self.half = (coordinate[-1] - coordinate[0]) / 2 or 1.0
-        self.basis = legendre.legvander((coordinate - self.middle) / self.half, order)  # (n, order + 1)
-        # all products P_a P_b, for the normal equations
-        self.products = (self.basis[:, :, None] * self.basis[:, None, :]).reshape(coordinate.size, -1)
+    def __init__(self, coordinates: Sequence[np.ndarray], order: int):
+        ends = [(float(c[0]), float(c[-1])) for c in coordinates]
+        self.middle = [(start + stop) / 2 for start, stop in ends]
+        self.half = [(stop - start) / 2 or 1.0 for start, stop in ends]  # 1 for a single line
+        self.axes = [  # (points, orders along the axis)
+            legendre.legvander((np.asarray(c, dtype=float) - middle) / half, min(order, len(c) - 1))
+            for c, middle, half in zip(coordinates, self.middle, self.half, strict=True)
+        ]
+        ky, kx = (axis.shape[1] for axis in self.axes)
+        self.terms = np.array([(j, i) for j in range(ky) for i in range(kx) if i + j <= order]).T
 
-    def thinned(self, stride: int) -> "_Axis":
+    def thinned(self, stride: int) -> "_Basis":
         """Return the same polynomials at every n-th point."""
         thin = copy.copy(self)
-        thin.basis, thin.products = self.basis[::stride], self.products[::stride]
+        thin.axes = [axis[::stride] for axis in self.axes]
         return thin
 
+    def at_points(self, coefficients: np.ndarray) -> np.ndarray:
+        """Return the polynomial of coefficients (j, i) at the grid points of both axes."""
+        y, x = self.axes
+        return y @ coefficients @ x.T
 
-def _evaluate(coefficients: np.ndarray, axes: list[_Axis]) -> np.ndarray:
-    """Return the polynomial at the grid points of both axes."""
-    return axes[0].basis @ coefficients @ axes[1].basis.T
-
-
-def _fit_weighted(
-    heights: np.ndarray, weights: np.ndarray, axes: list[_Axis], terms: list[tuple[int, int]]
-) -> np.ndarray:
-    """Return c (j, i) that minimises sum w (h - form)^2; a second pass corrects rounding errors."""
-    y, x = axes
-    ky, kx = y.order + 1, x.order + 1
-    # moments of all products, axis by axis: two matrix products for all sums over the map
-    moments = (y.products.T @ weights @ x.products).reshape(ky, ky, kx, kx)
-    index_y, index_x = (np.array(index) for index in zip(*terms, strict=True))
-    matrix = moments[index_y[:, None], index_y[None, :], index_x[:, None], index_x[None, :]]
-    coefficients = np.zeros((ky, kx))
-    weighted_heights = weights * heights
-    for refining in (False, True):
-        if refining:
-            np.subtract(heights, _evaluate(coefficients, axes), out=weighted_heights)
-            weighted_heights *= weights
-        rhs = (y.basis.T @ weighted_heights @ x.basis)[index_y, index_x]
-        coefficients[index_y, index_x] += np.linalg.lstsq(matrix, rhs, rcond=1e-13)[0]
-    return coefficients
+    def fit(self, heights: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Return c (j, i) that minimises sum w (h - form)^2; a second pass corrects rounding errors."""
+        (y, x), (j, i) = self.axes, self.terms
+        ky, kx = y.shape[1], x.shape[1]
+        # moments of all products P_a P_b, axis by axis: two matrix products for all sums over the map
+        products_y, products_x = ((p[:, :, None] * p[:, None, :]).reshape(len(p), -1) for p in (y, x))
+        moments = (products_y.T @ weights @ products_x).reshape(ky, ky, kx, kx)
+        matrix = moments[j[:, None], j[None, :], i[:, None], i[None, :]]
+        coefficients = np.zeros((ky, kx))
+        weighted_heights = weights * heights
+        for refining in (False, True):
+            if refining:
+                np.subtract(heights, self.at_points(coefficients), out=weighted_heights)
+                weighted_heights *= weights
+            rhs = (y.T @ weighted_heights @ x)[j, i]
+            coefficients[j, i] += np.linalg.lstsq(matrix, rhs, rcond=1e-13)[0]
+        return coefficients
 
 
-def _fit_robust(
-    heights: np.ndarray, is_measured: np.ndarray, axes: list[_Axis], terms: list[tuple[int, int]]
-) -> np.ndarray:
-    """Return the robust coefficients, started from a fit to a thinned map if the map is large."""
-    stride = int(np.sqrt(heights.size / _START_POINTS))
-    if stride > 1 and is_measured[::stride, ::stride].sum() > _START_POINTS / 4:
-        start = _fit_robust(
-            heights[::stride, ::stride],
-            is_measured[::stride, ::stride],
-            [axis.thinned(stride) for axis in axes],
-            terms,
-        )
-        # so near the solution the biweight needs no start by absolute values
-        return _reweight(heights, is_measured, axes, terms, start, least_absolute=False)
-    start = _fit_weighted(heights, is_measured.astype(float), axes, terms)
-    return _reweight(heights, is_measured, axes, terms, start, least_absolute=True)
-
-
-def _reweight(
-    heights: np.ndarray,
-    is_measured: np.ndarray,
-    axes: list[_Axis],
-    terms: list[tuple[int, int]],
-    coefficients: np.ndarray,
-    *,
-    least_absolute: bool,
-) -> np.ndarray:
+def _fit_robust(basis: _Basis, heights: np.ndarray, is_measured: np.ndarray) -> np.ndarray:
     """Return the coefficients of iteratively reweighted least squares after convergence."""
+    stride = int(np.sqrt(heights.size / _START_POINTS))
+    # a large map is fitted from a thinned one, so near the solution that no least absolute values are needed
+    least_absolute = not (stride > 1 and is_measured[::stride, ::stride].sum() > _START_POINTS / 4)
+    if least_absolute:
+        coefficients = basis.fit(heights, is_measured.astype(float))
+    else:
+        thin = slice(None, None, stride)
+        coefficients = _fit_robust(basis.thinned(stride), heights[thin, thin], is_measured[thin, thin])
     negligible = 1e-12 * np.ptp(heights[is_measured])
     for iteration in range(_ITERATIONS):
-        residual = _evaluate(coefficients, axes)
+        residual = basis.at_points(coefficients)
         np.subtract(heights, residual, out=residual)
         scale = robust_scale(residual[is_measured], overwrite=True)
         if not scale > negligible:
             return coefficients  # more than half of the points lie on the form
         if least_absolute:
-            # least absolute values; the limit keeps points on the form from an infinite weight
+            # the limit keeps points on the form from an infinite weight
             weights = 1 / np.maximum(np.abs(residual), 1e-3 * scale)
         else:
             weights = biweight(residual, scale)
         del residual
         weights[~is_measured] = 0
-        previous, coefficients = coefficients, _fit_weighted(heights, weights, axes, terms)
+        previous, coefficients = coefficients, basis.fit(heights, weights)
         change = np.abs(coefficients - previous).max()
         if least_absolute and (change <= 1e-2 * scale or iteration == 20):
             least_absolute = False
@@ -210,34 +189,23 @@ def _reweight(
     return coefficients
 
 
-def _record(coefficients: np.ndarray, axes: list[_Axis], order: int) -> dict[str, dict]:
+def _record(coefficients: np.ndarray, basis: _Basis, order: int) -> dict[str, dict]:
     """Return the record of a polynomial: mean, slopes and curvatures at the middle, coefficients."""
-    y, x = axes
     quantity = {"mean": (coefficients[0, 0], "m")}
-
-    def derivative(nth, along):
-        orders = (nth, 0) if along == "y" else (0, nth)
-        py, px = (
-            [
-                legendre.legval(0.0, legendre.legder(np.eye(axis.order + 1)[k], m))
-                for k in range(axis.order + 1)
-            ]
-            for axis, m in zip(axes, orders, strict=True)
-        )
-        at_middle = np.outer(py, px)
-        half = y.half if along == "y" else x.half
-        return float((coefficients * at_middle).sum() / half**nth)
-
     for nth, name, units in ((1, "slope", "1"), (2, "curvature", "m-1")):
         if order >= nth:
-            for along in "xy":
-                quantity[f"{name}_{along}"] = (derivative(nth, along), units)
+            for axis, along in ((1, "x"), (0, "y")):
+                # at the middle, where the polynomials of the other axis are not differentiated
+                py, px = (
+                    legendre.legval(0.0, legendre.legder(np.eye(count), nth if axis == k else 0))
+                    for k, count in enumerate(coefficients.shape)
+                )
+                derivative = float((coefficients * np.outer(py, px)).sum() / basis.half[axis] ** nth)
+                quantity[f"{name}_{along}"] = (derivative, units)
     if order >= 2:
-        for along, axis in (("x", x), ("y", y)):
-            quantity[f"middle_{along}"] = (axis.middle, "m")
-            quantity[f"half_length_{along}"] = (axis.half, "m")
-        for j in range(y.order + 1):
-            for i in range(x.order + 1):
-                if i + j <= order:
-                    quantity[f"c_{i}_{j}"] = (coefficients[j, i], "m")
+        for axis, along in ((1, "x"), (0, "y")):
+            quantity[f"middle_{along}"] = (basis.middle[axis], "m")
+            quantity[f"half_length_{along}"] = (basis.half[axis], "m")
+        for j, i in basis.terms.T:
+            quantity[f"c_{i}_{j}"] = (coefficients[j, i], "m")
     return {name: {"value": float(value), "units": units} for name, (value, units) in quantity.items()}
