@@ -45,20 +45,16 @@ def fit_curved_form(
     reference = start["mean"]["value"]
     rows, columns = np.nonzero(is_measured)
     # in half the longer side, so that all parameters are of order one
-    points = (
-        (y[rows] - middle_y) / half,
-        (x[columns] - middle_x) / half,
-        (values[is_measured] - reference) / half,
-    )
+    unit_y, unit_x = (y - middle_y) / half, (x - middle_x) / half
+    points = unit_y[rows], unit_x[columns], (values[is_measured] - reference) / half
     parameters = _start(start, start_form, reference, half, shape)
     # a first fit to some points, the same in every run, saves most steps on all of them
     if points[0].size > 2 * _START_POINTS:
         start_points = np.random.default_rng(0).choice(points[0].size, _START_POINTS, replace=False)
         parameters = _least_squares(parameters, [c[start_points] for c in points], robust=robust)
     parameters = _least_squares(parameters, points, robust=robust)
-    unit_form, inside = _surface(parameters, (y[:, None] - middle_y) / half, (x[None, :] - middle_x) / half)
-    points_outside = np.count_nonzero(is_measured & ~inside)
-    if points_outside:
+    unit_form, inside = _surface(parameters, unit_y[:, None], unit_x)
+    if points_outside := np.count_nonzero(is_measured & ~inside):
         raise HeightMapError(
             f"level.form = {shape!r}: {points_outside} points lie beyond the rim of the fitted {shape}, "
             "where it has no height: cut the map to the curved part, or use level.form: polynomial"
@@ -70,12 +66,11 @@ def fit_curved_form(
 def curved_form_from_record(record: Mapping[str, Mapping], y: npt.ArrayLike, x: npt.ArrayLike) -> np.ndarray:
     """Return the form (ny, nx; m) that `fit_curved_form` recorded, at the coordinates y and x (m)."""
     value = {name: entry["value"] for name, entry in record.items()}
-    parameters = [0.0, value["slope_x"], value["slope_y"]]
-    parameters.append(value["curvature"] * np.sqrt(1 + parameters[1] ** 2 + parameters[2] ** 2))
-    if "axis_azimuth" in value:
-        parameters.append(np.deg2rad(value["axis_azimuth"]))
+    a, b = value["slope_x"], value["slope_y"]
+    azimuth = [np.deg2rad(value["axis_azimuth"])] if "axis_azimuth" in value else []
+    parameters = [0.0, a, b, value["curvature"] * np.sqrt(1 + a**2 + b**2), *azimuth]
     y, x = (np.asarray(c, dtype=float) for c in (y, x))
-    form, _ = _surface(parameters, y[:, None] - value["middle_y"], x[None, :] - value["middle_x"])
+    form, _ = _surface(parameters, y[:, None] - value["middle_y"], x - value["middle_x"])
     return value["height_middle"] + form
 
 
@@ -84,13 +79,12 @@ def _surface(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return z(x, y) and where it exists; parameters z0, a, b, k = kappa sqrt(1 + a^2 + b^2), azimuth."""
     z0, a, b, k, *azimuth = parameters
+    along, dz = 0.0, 0.0
     if azimuth:
-        direction = np.array([np.cos(azimuth[0]), np.sin(azimuth[0])])
-        rise = a * direction[0] + b * direction[1]  # the axis lies in the tangent plane
+        cosine, sine = np.cos(azimuth[0]), np.sin(azimuth[0])
+        rise = a * cosine + b * sine  # the axis lies in the tangent plane
         length = np.sqrt(1 + rise**2)
-        along, dz = (direction[0] * x + direction[1] * y) / length, rise / length
-    else:
-        along, dz = 0.0, 0.0
+        along, dz = (cosine * x + sine * y) / length, rise / length
     # (k (1 - dz^2)) z^2 - 2 (1 + k along dz) z + c = 0; the root that vanishes with c
     c = k * (x**2 + y**2 - along**2) + 2 * (a * x + b * y)
     minus_half_b = 1 + k * along * dz
@@ -110,8 +104,8 @@ def _start(
     z0 = (form[form.shape[0] // 2, form.shape[1] // 2] - reference) / half
     slopes = [value["slope_x"], value["slope_y"]]
     if shape == "sphere":
-        inverse_radii = [c for c, n in zip((hessian[1, 1], hessian[0, 0]), form.shape, strict=True) if n > 1]
-        return np.array([z0, *slopes, half * np.mean(inverse_radii)])
+        inverse_radii = np.diag(hessian)[[n > 1 for n in form.shape[::-1]]]
+        return np.array([z0, *slopes, half * np.mean(inverse_radii[::-1])])
     strongest = int(np.argmax(np.abs(curvatures)))
     along = directions[:, 1 - strongest]  # the axis lies across the strongest curvature
     return np.array([z0, *slopes, half * curvatures[strongest], np.arctan2(along[1], along[0])])
@@ -163,12 +157,8 @@ def _normal_equations(
     for start in range(0, y.size, _CHUNK):
         block = slice(start, start + _CHUNK)
         columns = []
-        for index in range(count):
-            step = np.zeros(count)
-            step[index] = _DERIVATIVE_STEP
-            forward, backward = (
-                _surface(parameters + sign * step, y[block], x[block])[0] for sign in (1, -1)
-            )
+        for step in _DERIVATIVE_STEP * np.eye(count):
+            forward, backward = (_surface(parameters + s, y[block], x[block])[0] for s in (step, -step))
             columns.append((forward - backward) / (2 * _DERIVATIVE_STEP))
         jacobian = np.stack(columns)
         weighted_jacobian = jacobian * weights[block]
@@ -182,20 +172,15 @@ def _record(
 ) -> dict[str, dict]:
     """Return the record of a sphere or cylinder in SI units."""
     z0, a, b, k, *azimuth = map(float, parameters)
+    (middle_y, middle_x), height = middle, reference + half * z0
     steepness = np.sqrt(1 + a**2 + b**2)
     curvature = k / steepness / half
-    height = reference + half * z0
     quantity: dict[str, tuple[float, str]] = {"mean": (form.mean(), "m")}
     if curvature:
         quantity["radius"] = (1 / abs(curvature), "m")
-    quantity |= {
-        "curvature": (curvature, "m-1"),
-        "height_middle": (height, "m"),
-        "slope_x": (a, "1"),
-        "slope_y": (b, "1"),
-        "middle_x": (middle[1], "m"),
-        "middle_y": (middle[0], "m"),
-    }
+    quantity |= {"curvature": (curvature, "m-1"), "height_middle": (height, "m")}
+    quantity |= {"slope_x": (a, "1"), "slope_y": (b, "1")}
+    quantity |= {"middle_x": (middle_x, "m"), "middle_y": (middle_y, "m")}
     if azimuth:
         # an axis has no sense of direction: within 90 degrees of x
         angle = (azimuth[0] + np.pi / 2) % np.pi - np.pi / 2
@@ -203,7 +188,6 @@ def _record(
         quantity["axis_azimuth"] = (np.rad2deg(angle), "degree")
         quantity["axis_inclination"] = (np.rad2deg(np.arctan(rise)), "degree")
     elif curvature:
-        towards = np.array([-a, -b, 1.0]) / steepness / curvature
-        for name, start, shift in zip("xyz", (middle[1], middle[0], height), towards, strict=True):
-            quantity[f"centre_{name}"] = (start + shift, "m")
+        centre = np.array([middle_x, middle_y, height]) + np.array([-a, -b, 1.0]) / steepness / curvature
+        quantity |= {f"centre_{axis}": (position, "m") for axis, position in zip("xyz", centre, strict=True)}
     return {name: {"value": float(value), "units": units} for name, (value, units) in quantity.items()}

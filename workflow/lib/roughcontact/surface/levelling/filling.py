@@ -20,10 +20,9 @@ def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     labels, count = ndimage.label(missing)
     open_to_border = np.zeros(count + 1, dtype=bool)
-    if missing.shape[0] > 1:
-        open_to_border[labels[[0, -1]]] = True
-    if missing.shape[1] > 1:
-        open_to_border[labels[:, [0, -1]]] = True
+    for axis, points in enumerate(missing.shape):
+        if points > 1:
+            open_to_border[labels.take([0, -1], axis)] = True
     open_to_border[0] = True  # label 0 is what was measured
     labels = np.where(open_to_border, 0, np.cumsum(~open_to_border)).astype(labels.dtype)[labels]
     return labels, np.bincount(labels.ravel(), minlength=1)[1:]
@@ -50,9 +49,7 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
     result /= scale
     # with points farther from their rim
     wide_holes = np.unique(labels[ndimage.binary_erosion(inside, iterations=_WIDE_HOLE_RADIUS)])
-    is_wide = np.zeros(labels.max() + 1, dtype=bool)
-    is_wide[wide_holes] = True
-    narrow = inside & ~is_wide[labels]
+    narrow = inside & ~np.isin(labels, wide_holes)
     if narrow.any():
         result[narrow] = _solve_narrow(result, narrow, (wy, wx))
     boxes = ndimage.find_objects(labels) if wide_holes.size else []
@@ -69,12 +66,10 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
 
 def _fill_profile(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
     """Return a profile with its holes filled by straight lines."""
-    flat, inside = values.ravel(), inside.ravel()
-    where = np.arange(flat.size)
-    is_measured = ~np.isnan(flat)
-    result = flat.copy()
-    result[inside] = np.interp(where[inside], where[is_measured], flat[is_measured])
-    return result.reshape(values.shape)
+    flat, is_measured = values.ravel(), ~np.isnan(values.ravel())
+    result = values.copy()
+    result[inside] = np.interp(np.flatnonzero(inside), np.flatnonzero(is_measured), flat[is_measured])
+    return result
 
 
 def _right_hand_side(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) -> np.ndarray:
@@ -96,11 +91,11 @@ def _solve_narrow(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]
     count = int(mask.sum())
     number = np.full(mask.shape, -1)
     number[mask] = np.arange(count)
-    below = mask[:-1, :] & mask[1:, :]
+    below = mask[:-1] & mask[1:]
     right = mask[:, :-1] & mask[:, 1:]
-    start = np.concatenate([number[:-1, :][below], number[:, :-1][right]])
-    stop = np.concatenate([number[1:, :][below], number[:, 1:][right]])
-    weight = np.concatenate([np.full(int(below.sum()), -wy), np.full(int(right.sum()), -wx)])
+    start = np.concatenate([number[:-1][below], number[:, :-1][right]])
+    stop = np.concatenate([number[1:][below], number[:, 1:][right]])
+    weight = np.repeat([-wy, -wx], [below.sum(), right.sum()])
     del number, below, right  # memory may not hold more than is needed of a large map
     upper = sparse.coo_array((weight, (start, stop)), shape=(count, count)).tocsr()
     matrix = (upper + upper.T + sparse.diags_array(np.full(count, 2 * (wy + wx)))).tocsr()
@@ -118,14 +113,14 @@ def _solve_wide(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) 
     wy, wx = weights
     box = mask[1:-1, 1:-1]
     # a larger box is as good: take one with a fast transform
-    ny, nx = (next_fast_len(n + 1, real=True) - 1 for n in box.shape)
+    larger = [next_fast_len(n + 1, real=True) - 1 for n in box.shape]
     # eigenvalues of the five-point Laplace operator under a sine transform
-    symbol = (
-        4 * wy * np.sin(np.pi * np.arange(1, ny + 1) / (2 * ny + 2))[:, None] ** 2
-        + 4 * wx * np.sin(np.pi * np.arange(1, nx + 1) / (2 * nx + 2))[None, :] ** 2
+    symbol_y, symbol_x = (
+        4 * weight * np.sin(np.pi * np.arange(1, n + 1) / (2 * n + 2)) ** 2
+        for weight, n in zip(weights, larger, strict=True)
     )
-    box_in_larger = np.zeros((ny, nx), dtype=bool)
-    box_in_larger[: box.shape[0], : box.shape[1]] = box
+    symbol = symbol_y[:, None] + symbol_x
+    box_in_larger = np.pad(box, [(0, n - m) for n, m in zip(larger, box.shape, strict=True)])
     field = np.zeros(mask.shape)  # includes a rim of zeros, so that all points have neighbours
 
     def operator(vector):
@@ -137,7 +132,7 @@ def _solve_wide(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) 
         return result[box]
 
     def precondition(vector):
-        residual = np.zeros((ny, nx))
+        residual = np.zeros(larger)
         residual[box_in_larger] = vector
         residual = dstn(residual, type=1, overwrite_x=True)
         residual /= symbol

@@ -27,11 +27,11 @@ def gaussian_mean_surface(values: np.ndarray, spacing: Sequence[float], nesting_
     kernels = [_kernels(n, d, nesting_index) for n, d in zip(values.shape, spacing, strict=True)]
     if is_measured.all():
         # each moment of the weights is a product of one along y and one along x
-        along = [
+        along_y, along_x = (
             [_correlate(np.ones((1, n)), kernel, axis=1)[0] for kernel in axis]
             for n, axis in zip(values.shape, kernels, strict=True)
-        ]
-        moment = {(j, i): along[0][j][:, None] * along[1][i][None, :] for j, i in _MOMENTS}
+        )
+        moment = {(j, i): along_y[j][:, None] * along_x[i] for j, i in _MOMENTS}
     else:
         moment = _moments(is_measured.astype(float), kernels, _MOMENTS)
     # of the heights the mean and both first moments suffice for a local plane

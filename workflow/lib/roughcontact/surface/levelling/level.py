@@ -111,12 +111,11 @@ def level(
     (8, '9.7e-10 m')
     """
     _check_options(form, order, line_alignment, fill, max_missing)
-    thresholds = {"outlier_threshold": outlier_threshold, "scar_threshold": scar_threshold}
-    nesting_indices = {"s_filter": s_filter, "l_filter": l_filter}
-    _check_positive(thresholds | nesting_indices)
+    _check_positive("every point", outlier_threshold=outlier_threshold, scar_threshold=scar_threshold)
     values = check_map(height)
     step = spacing(height)
-    _check_nesting_indices(height, **nesting_indices)
+    nesting_indices = {"s_filter": s_filter, "l_filter": l_filter}
+    _check_nesting_indices(height, s_filter, l_filter)
 
     outlier_kinds: Counter[str] = Counter()
     if outlier_threshold is not None:
@@ -201,28 +200,24 @@ def _check_options(form: str, order: int, line_alignment: str, fill: str, max_mi
         raise SettingsError(f"level.max_missing = {max_missing!r}: give a share from 0 to 1")
 
 
-def _check_positive(options: Mapping[str, float | None]) -> None:
-    """Raise SettingsError for an option that is neither positive nor None."""
-    remainder = {"s_filter": "the short waves", "l_filter": "the long waves"}
+def _check_positive(kept: str, **options: float | None) -> None:
+    """Raise SettingsError for an option that is neither positive nor None, by which something is `kept`."""
     for name, value in options.items():
-        # bool is a subclass of int
-        if value is not None and (isinstance(value, bool) or not (np.isreal(value) and 0 < value < np.inf)):
-            raise SettingsError(
-                f"level.{name} = {value!r}: give a positive number, or null to keep "
-                f"{remainder.get(name, 'every point')}"
-            )
+        if value is not None and not 0 < value < np.inf:
+            raise SettingsError(f"level.{name} = {value!r}: give a positive number, or null to keep {kept}")
 
 
-def _check_nesting_indices(height: xr.DataArray, **nesting_indices: float | None) -> None:
+def _check_nesting_indices(height: xr.DataArray, short: float | None, long: float | None) -> None:
     """Raise SettingsError for indices in the wrong order, or far from any length of the map: a wrong unit."""
-    short, long = nesting_indices["s_filter"], nesting_indices["l_filter"]
+    _check_positive("the short waves", s_filter=short)
+    _check_positive("the long waves", l_filter=long)
     if short and long and short >= long:
         raise SettingsError(
             f"level.s_filter = {short:g} m is not below level.l_filter = {long:g} m: no wave would remain",
             keys=("level.s_filter", "level.l_filter"),
         )
     finest, longest = min(spacing(height)), max(side_lengths(height))
-    for name, value in nesting_indices.items():
+    for name, value in (("s_filter", short), ("l_filter", long)):
         if value is not None and not finest / _MAX_SCALE_RATIO <= value <= longest * _MAX_SCALE_RATIO:
             raise SettingsError(
                 f"level.{name} = {value:g} m is far from the pixels of {finest:g} m and the sides of "
@@ -233,17 +228,13 @@ def _check_nesting_indices(height: xr.DataArray, **nesting_indices: float | None
 
 def _alignment(values: np.ndarray, height: xr.DataArray, method: str) -> tuple[RowJitter, str, np.ndarray]:
     """Return the row jitter found, the alignment applied, and the offsets (ny,) to subtract."""
-    is_scan = of_name(json_attribute(height.attrs, "instrument").get("kind")) in (
-        PROBE,
-        STYLUS,
-    )  # line by line
-    jitter = find_row_jitter(values, is_scan=is_scan)
-    choice = method
+    kind = of_name(json_attribute(height.attrs, "instrument").get("kind"))
+    jitter = find_row_jitter(values, is_scan=kind in (PROBE, STYLUS))  # which measure line by line
     if method == "auto":
-        choice = "jitter" if jitter.evidence == "clear" else "none"
-    if choice == "none":
-        return jitter, choice, np.zeros(len(values))
-    return jitter, choice, jitter.offsets if choice == "jitter" else line_offsets(values, method=choice)
+        method = "jitter" if jitter.evidence == "clear" else "none"
+    if method == "none":
+        return jitter, method, np.zeros(len(values))
+    return jitter, method, jitter.offsets if method == "jitter" else line_offsets(values, method=method)
 
 
 def _relative_jitter(jitter: float, rms_height: float, *, is_aligned: bool) -> float:
@@ -289,8 +280,7 @@ def _filter(
     for name, index in nesting_indices.items():
         if index is None:
             continue
-        # a profile has a pitch across its length, too, which means nothing
-        pixels = 2 * max(d for n, d in zip(values.shape, step, strict=True) if n > 1)
+        pixels = 2 * max(d for n, d in zip(values.shape, step, strict=True) if n > 1)  # along a profile
         if name == "l_filter" and index < pixels:
             raise HeightMapError(
                 f"level.l_filter = {index:g} m is less than two pixels ({pixels:g} m): no wave would remain"

@@ -62,12 +62,10 @@ def noise_of_repeats(height: xr.DataArray, repeat: xr.DataArray) -> tuple[float,
             f"{correlation:.2f}); measure again without moving the part, or leave repeat_of empty"
         )
     residual, shift, rms_raw = _subtract_shift(*heights)
-    rms, clusters = float(np.sqrt(np.nanmean(residual**2))), _gathered(residual)
+    rms, clusters = _rms(residual), _gathered(residual)
     axes = "yx"[-shift.size :]  # a profile is a row
-    pixels = ", ".join(
-        f"{number(pixels_along, decimals=2)} along {axis}"
-        for pixels_along, axis in zip(shift, axes, strict=True)
-    )
+    shifts = (f"{number(along, decimals=2)} along {axis}" for along, axis in zip(shift, axes, strict=True))
+    pixels = ", ".join(shifts)
     # where it would have made the noise too large
     note = f"as by a shift of {pixels} (pixels)" if rms < _EVEN * rms_raw else ""
     if not clusters:
@@ -85,15 +83,19 @@ def _subtract_shift(height: np.ndarray, repeat: np.ndarray) -> tuple[np.ndarray,
     # to first order a shift changes the heights by the slope times it
     slopes = [np.gradient((height + repeat) / 2, axis=axis) for axis, n in enumerate(height.shape) if n > 1]
     residual = np.where(np.isfinite(sum(slopes)), height - repeat, np.nan)
-    residual = (
-        residual - fit_polynomial(residual, [np.arange(n, dtype=float) for n in residual.shape], order=1)[0]
-    )
-    is_measured = np.isfinite(residual)
-    slopes, rms_raw = [slope[is_measured] for slope in slopes], float(np.sqrt(np.nanmean(residual**2)))
+    coordinates = [np.arange(n, dtype=float) for n in residual.shape]
+    residual -= fit_polynomial(residual, coordinates, order=1)[0]
+    is_measured, rms_raw = np.isfinite(residual), _rms(residual)
+    slopes = [slope[is_measured] for slope in slopes]
     products = np.array([[slope @ column for column in (*slopes, residual[is_measured])] for slope in slopes])
     shift = np.linalg.lstsq(products[:, :-1], products[:, -1], rcond=None)[0]
     residual[is_measured] -= sum(offset * slope for offset, slope in zip(shift, slopes, strict=True))
     return residual, shift, rms_raw
+
+
+def _rms(residual: np.ndarray) -> float:
+    """Return the root mean square of a difference of two maps (m; NaN: unknown)."""
+    return float(np.sqrt(np.nanmean(residual**2)))
 
 
 def _gathered(residual: np.ndarray) -> str:
