@@ -5,8 +5,8 @@ best. The form that levelling removes counts for nothing in a correlation, where
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -36,8 +36,7 @@ _CORRELATED_POINTS = 9  # neighbours in a residual, which are one independent po
 _SIGNIFICANT = 4.0  # standard deviations by which another place is to fit worse
 
 
-@dataclass(frozen=True)
-class Place:
+class Place(NamedTuple):
     """Where a map lies in its overview."""
 
     y: float  # m, middle of the map in the coordinates of the overview
@@ -97,7 +96,7 @@ def overview_with_place(
         x, y = np.add(near, middle_of(fine)) - (middle or middle_of(levelled))
         near = float(x), float(y)
     place = place_of(fine, field, near=near)
-    return field.assign_attrs({f"{_PREFIX}{key}": value for key, value in asdict(place).items()})
+    return field.assign_attrs({f"{_PREFIX}{key}": value for key, value in place._asdict().items()})
 
 
 def joined_overviews(overviews: Sequence[xr.DataArray]) -> xr.Dataset:
@@ -109,11 +108,8 @@ def joined_overviews(overviews: Sequence[xr.DataArray]) -> xr.Dataset:
         for axis, name in axes.items():
             words = f"{axis} of overview {rank}"
             coordinates[name] = name, overview[axis].values, {"units": "m", "long_name": words}
-        words = "surface height of a coarser map around the map"
-        records = {
-            key: value for key, value in overview.attrs.items() if key.startswith((_PREFIX, "source_"))
-        }
-        attrs = {**records, "units": "m", "long_name": words}
+        attrs = {k: value for k, value in overview.attrs.items() if k.startswith((_PREFIX, "source_"))}
+        attrs |= {"units": "m", "long_name": "surface height of a coarser map around the map"}
         columns[f"overview_{rank}"] = tuple(axes.values()), overview.values, attrs
     return xr.Dataset(columns, coordinates)
 
@@ -128,10 +124,9 @@ def separate_overviews(joined: xr.Dataset) -> list[xr.DataArray]:
 
 def recorded_place(overview: xr.DataArray) -> Place | None:
     """Return the place of the fine map in an overview of `overview_with_place`; None if it is elsewhere."""
-    keys = Place.__dataclass_fields__
     if f"{_PREFIX}correlation" not in overview.attrs:
         return None
-    return Place(**{key: float(overview.attrs[f"{_PREFIX}{key}"]) for key in keys})
+    return Place(*(float(overview.attrs[f"{_PREFIX}{key}"]) for key in Place._fields))
 
 
 def place_in_words(overview: xr.DataArray) -> str:
@@ -145,13 +140,16 @@ def frame_of_place(overview: xr.DataArray, fine: xr.DataArray) -> tuple[float, f
     place = recorded_place(overview)
     if place is None:
         return None
-    # in the lengths of the overview, whose scale may differ
-    sides = {axis: n * d * place.scale for axis, n, d in zip("yx", fine.shape, spacing(fine), strict=True)}
-    corners = {
-        axis: getattr(place, axis) - float(overview[axis][0]) + d / 2 - sides[axis] / 2
-        for axis, d in zip("yx", spacing(overview), strict=True)
-    }
-    return corners["x"], corners["y"], sides["x"], sides["y"]
+    side_y, side_x = _sides(place, fine)
+    dy, dx = spacing(overview)
+    left = place.x - float(overview["x"][0]) + dx / 2 - side_x / 2
+    return left, place.y - float(overview["y"][0]) + dy / 2 - side_y / 2, side_x, side_y
+
+
+def _sides(place: Place, fine: xr.DataArray) -> tuple[float, float]:
+    """Return the sides (y, x; m) of a map in the lengths of its overview, whose scale may differ."""
+    length_y, length_x = side_lengths(fine)
+    return length_y * place.scale, length_x * place.scale
 
 
 def place_attributes(overviews: Sequence[xr.DataArray], levelled: xr.DataArray) -> dict[str, float]:
@@ -159,14 +157,11 @@ def place_attributes(overviews: Sequence[xr.DataArray], levelled: xr.DataArray) 
 
     Correlation, scale, and the corner of the map from that of the overview (m).
     """
-    fine = measured_rectangle(levelled)
-    for overview in overviews:
-        place, frame = recorded_place(overview), frame_of_place(overview, fine)
-        if place and frame:
-            _, _, side_x, side_y = frame
-            # of the overview, of which the measured part may begin later
-            offsets = {"offset_x": place.x - side_x / 2, "offset_y": place.y - side_y / 2}
-            return {"correlation": place.correlation, "scale": place.scale, **offsets}
+    for place in filter(None, map(recorded_place, overviews)):
+        side_y, side_x = _sides(place, measured_rectangle(levelled))
+        # of the overview, of which the measured part may begin later
+        offsets = {"offset_x": place.x - side_x / 2, "offset_y": place.y - side_y / 2}
+        return {"correlation": place.correlation, "scale": place.scale, **offsets}
     return {}
 
 
@@ -198,7 +193,7 @@ def place_of(fine: xr.DataArray, overview: xr.DataArray, *, near: tuple[float, f
     place = best_place(fine, overview if near is None else _around(overview, fine, near))
     if near is not None:
         # a stated place is not doubted, however many others look like it
-        place = replace(place, uncertainty=min(place.uncertainty, MAX_UNCERTAINTY))
+        place = place._replace(uncertainty=min(place.uncertainty, MAX_UNCERTAINTY))
     _check_place(place, fine, overview)
     return place
 
@@ -326,12 +321,10 @@ def _check_place(place: Place, fine: xr.DataArray, overview: xr.DataArray) -> No
 
 def _neighbours(middle: tuple[float, float], step: np.ndarray) -> Iterator[tuple[float, float]]:
     """Yield the next angles and scales, up to the limits of the search."""
-    for angle, scale in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        further = middle[0] + angle * step[0], middle[1] + scale * step[1] - 1
-        yield (
-            float(np.clip(further[0], -_MAX_ANGLE, _MAX_ANGLE)),
-            1 + float(np.clip(further[1], -_MAX_SCALING, _MAX_SCALING)),
-        )
+    limits = np.array([_MAX_ANGLE, _MAX_SCALING])
+    for direction in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        angle, stretch = np.clip(middle + direction * step - (0, 1), -limits, limits)
+        yield float(angle), 1 + float(stretch)
 
 
 class _Search:
@@ -344,21 +337,21 @@ class _Search:
     def __init__(
         self, fine: xr.DataArray, overview: xr.DataArray, order: int, *, largest: float = 1 - _MAX_SCALING
     ):
-        self._steps, self._fine_steps, self._order = spacing(overview), spacing(fine), order
-        widths = [max(1, round(d / f)) for d, f in zip(self._steps, self._fine_steps, strict=True)]
+        self._steps, self._fine_steps = np.array(spacing(overview)), np.array(spacing(fine))
+        widths = np.maximum(1, np.rint(self._steps / self._fine_steps)).astype(int)
         # as the overview averages over its pixels
         self._fine = scipy.ndimage.uniform_filter(fine.values, widths, mode="nearest")
-        self._lag = [0.5 * (width % 2 == 0) for width in widths]  # an even mean is of half a pixel before
+        self._lag = 0.5 * (widths % 2 == 0)  # an even mean is of half a pixel before
         # without its mean the sums of squares keep their digits
         image = overview.values - overview.values.mean()
         self._size, self._points = image.shape, [scipy.fft.next_fast_len(n, real=True) for n in image.shape]
         self._image, self._squares = (scipy.fft.rfft2(field, self._points) for field in (image, image**2))
         self._heights: dict[tuple[float, float], float] = {}
-        sides = zip(fine.shape, self._fine_steps, self._steps, strict=True)
-        self.shape = tuple(int(n * f * largest / d + _ROUNDING) for n, f, d in sides)
+        sides = np.array(fine.shape) * self._fine_steps * largest / self._steps
+        self.shape = tuple(map(int, sides + _ROUNDING))
         half = max(self.shape) / 2
         self.strides = np.degrees(_SEARCHED_SHIFT / half), _SEARCHED_SHIFT / half  # of angle and scale
-        self._norm, self._forms = self._norm_and_forms()
+        self._norm, self._forms = self._norm_and_forms(order)
 
     def height(self, pose: tuple[float, float]) -> float:
         """Return the largest correlation at an angle (degree) and a scale."""
@@ -388,10 +381,10 @@ class _Search:
         ]
         return scipy.ndimage.map_coordinates(self._fine, where, order=1, mode="nearest")
 
-    def _norm_and_forms(self) -> tuple[np.ndarray, np.ndarray]:
+    def _norm_and_forms(self, order: int) -> tuple[np.ndarray, np.ndarray]:
         """Return the norm of the overview less its form at every shift, and the forms (term, point)."""
         y, x = np.meshgrid(*(np.linspace(-1, 1, n) for n in self.shape), indexing="ij")
-        powers = [(i, j) for i in range(self._order + 1) for j in range(self._order + 1 - i)]
+        powers = [(i, j) for i in range(order + 1) for j in range(order + 1 - i)]
         forms = np.linalg.qr(np.column_stack([(y**i * x**j).ravel() for i, j in powers]))[0].T
         squares = self._over_image(self._squares, np.ones(self.shape))
         tiny = 1e-9 * float(squares.max())  # a flat place correlates with nothing
@@ -417,16 +410,13 @@ def _peak(surface: np.ndarray, shape: Sequence[int]) -> tuple[list[float], list[
     # the residual of other places is larger by chance alone, by this much
     limit = residual[best] * (1 + _SIGNIFICANT * 2 / np.sqrt(independent)) + 1e-6
     fitting = np.argwhere((residual <= limit) & (surface > 0))
-    shares = [
-        max(0.5, float(np.abs(fitting[:, axis] - best[axis]).max())) / n for axis, n in enumerate(shape)
-    ]
+    reach = np.abs(fitting - best).max(axis=0)
+    shares = [max(0.5, float(points)) / n for points, n in zip(reach, shape, strict=True)]
     shift = []
     for axis, middle in enumerate(best):
         line = np.moveaxis(surface, axis, 0)[:, best[1 - axis]]
-        left_value, right_value = (
-            line[middle + side] if 0 <= middle + side < line.size else np.nan for side in (-1, 1)
-        )
-        curvature = left_value - 2 * line[middle] + right_value
+        before, top, behind = np.pad(line, 1, constant_values=np.nan)[middle : middle + 3]
+        curvature = before - 2 * top + behind
         # a parabola through three points
-        shift.append(float(middle + (0.5 * (left_value - right_value) / curvature if curvature < 0 else 0.0)))
+        shift.append(float(middle + (0.5 * (before - behind) / curvature if curvature < 0 else 0.0)))
     return shift, shares

@@ -5,7 +5,6 @@ what they share; neither is interpolated, which would smooth its shortest waves,
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -21,17 +20,11 @@ _MIN_CORRELATION = 0.5  # of the middle with the earlier map; wear takes from it
 _TEMPLATE = 0.5  # side of what is looked for, over that of the smaller map
 
 
-class Registered(NamedTuple):
-    """Where a map lies in the earlier one of its place."""
+def registered(later: xr.DataArray, earlier: xr.DataArray) -> tuple[np.ndarray, placing.Place]:
+    """Return the shift of a measured map to its place in an earlier one (y, x; m), and that of its middle.
 
-    shift: np.ndarray  # (y, x), m: position in the earlier map less that in the map itself
-    place: placing.Place
-
-
-def registered(later: xr.DataArray, earlier: xr.DataArray) -> Registered:
-    """Return where a measured map lies in an earlier one of the same place (y, x; m).
-
-    Where the middle fits at several places, as on grooves, the one next to its own position is meant.
+    The shift is the position in the earlier map less that in the map itself. Where the middle fits at several
+    places, as on grooves, the one next to its own position is meant.
 
     Raises
     ------
@@ -58,7 +51,7 @@ def registered(later: xr.DataArray, earlier: xr.DataArray) -> Registered:
             f"{place}, and has to have {threshold}; measure the same place, shifted by less than a quarter "
             "of the map, or leave before empty"
         )
-    return Registered(np.array([place.y, place.x]) - middle, place)
+    return np.array([place.y, place.x]) - middle, place
 
 
 def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], name: str) -> xr.DataArray:
@@ -82,9 +75,8 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
     shifts: dict[str, np.ndarray] = {}
     for member in maps:
         # positions in the map that came first, step by step along the order of time
-        shifts[member] = (
-            shifts[earlier[member]] + registrations[member].shift if member in earlier else np.zeros(2)
-        )
+        before = earlier.get(member)
+        shifts[member] = shifts[before] + registrations[member][0] if before else np.zeros(2)
     cuts = {}
     for row, axis in enumerate("yx"):
         starts, stops = (
@@ -104,10 +96,9 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
         measured &= other.notnull().sel(there, method="nearest").values
     part, sentences = measured_in_all(part, measured), []
     if name in registrations:
-        y, x = registrations[name].shift
+        (y, x), place = registrations[name]
         moved = f"shifted by ({quantity(x, 'm')}, {quantity(y, 'm')})"
-        words = registrations[name].place.fit_in_words(with_scale=False)
-        sentences.append(f"the place of {earlier[name]}, {moved}, {words}")
+        sentences.append(f"the place of {earlier[name]}, {moved}, {place.fit_in_words(with_scale=False)}")
     if part.shape != height.shape:
         sizes = (" × ".join(map(str, cut.shape[::-1])) for cut in (part, height))
         sentences.append("cropped to {} of {} points, which all maps of the place show".format(*sizes))
