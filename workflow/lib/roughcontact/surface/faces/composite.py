@@ -147,18 +147,8 @@ def _sum_at(
     faces: Sequence[Face], positions: Sequence[Sequence[np.ndarray]]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the sum of the heights of both faces at positions on each, and which depend on marked points."""
-    (lower, lower_marks), (upper, also_marked) = (
-        face.at(*position) for face, position in zip(faces, positions, strict=True)
-    )
-    return lower + upper, lower_marks | also_marked
-
-
-def _orientation_warnings(face: Face) -> list[str]:
-    """Return a warning if a face may be mirrored because its file does not state its first row."""
-    if not face.height.attrs.get("first_row_assumed"):
-        return []
-    where = face.height.attrs["first_row"]
-    return [f"the first row is taken as the {where} of the picture; if it is not, give first_row"]
+    lower, upper = (face.at(*position) for face, position in zip(faces, positions, strict=True))
+    return lower[0] + upper[0], lower[1] | upper[1]
 
 
 def _attributes(lower: Face, upper: Face, on_filled: np.ndarray) -> dict:
@@ -170,8 +160,10 @@ def _attributes(lower: Face, upper: Face, on_filled: np.ndarray) -> dict:
         attrs, name = face.height.attrs, face.name
         reading = Measurement.read(attrs)
         kinds.update(json_attribute(attrs, "outlier_kinds"))
-        texts = *reading.warnings, *_orientation_warnings(face)
-        warnings += [f"{name}: {warning}" for warning in texts]
+        warnings += [f"{name}: {warning}" for warning in reading.warnings]
+        if attrs.get("first_row_assumed"):  # the face may be mirrored
+            where = f"the {attrs['first_row']} of the picture"
+            warnings.append(f"{name}: the first row is taken as {where}; if it is not, give first_row")
         facts += [f"{name}: {fact}" for fact in reading.facts]
         spikes |= {f"{name}: {spike}": f"{name}: {text}" for spike, text in reading.spikes.items()}
     attrs_of_faces = lower_attrs, upper_attrs

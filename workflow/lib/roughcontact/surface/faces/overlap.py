@@ -74,12 +74,9 @@ def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
     """
     # turned by other angles a square period does not repeat along the axes
     lengths = axis_order(upper.lengths, turn)
-    return bool(
-        lower.periodic
-        and upper.periodic
-        and lengths
-        and np.allclose(lengths, lower.lengths, rtol=STEP_TOLERANCE, atol=0)
-    )
+    if lengths is None or not (lower.periodic and upper.periodic):
+        return False
+    return np.allclose(lengths, lower.lengths, rtol=STEP_TOLERANCE, atol=0)
 
 
 def common_grid(

@@ -137,20 +137,14 @@ def _outside(q: np.ndarray, shortest: float | None, longest: float | None) -> np
     return outside | (q > 0) & (q < (2 * np.pi / longest * (1 - _RELATIVE_MARGIN) if longest else 0.0))
 
 
-def in_band(
-    window: xr.DataArray,
-    *,
-    shortest_wavelength: float | None = None,
-    longest_wavelength: float | None = None,
-    reliable_band: bool = False,
-    **_others: Any,
-) -> xr.DataArray:
+def in_band(window: xr.DataArray, **options: Any) -> xr.DataArray:
     """Return a periodic map (m) limited to the band that is asked of `periodic_window`, unchanged if none."""
-    if not (shortest_wavelength or longest_wavelength or reliable_band):
-        return window
-    return limit_band(
-        window, shortest=shortest_wavelength, longest=longest_wavelength, reliable=reliable_band
+    shortest, longest, reliable = (
+        options.get(name) for name in ("shortest_wavelength", "longest_wavelength", "reliable_band")
     )
+    if not (shortest or longest or reliable):
+        return window
+    return limit_band(window, shortest=shortest, longest=longest, reliable=bool(reliable))
 
 
 def _check_limits(shortest: float | None, longest: float | None) -> None:

@@ -51,19 +51,19 @@ def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> Non
     for key, value in instrument.items():
         if value is not None and not value >= 0:
             raise SettingsError(f"instrument.{key} = {value:g}: give a number of 0 or more")
+    tip_radius, resolution, noise = (
+        instrument.get(key) or 0.0 for key in ("tip_radius", "resolution", "noise")
+    )
+    # in the band of the window less noise remains than is stated of single points
+    is_noisy = noise > 0 and noise_that_remains(window, noise)[0] > rms_height
     for key, is_excluded, reason in (
-        ("tip_radius", lambda v: v > length, f"larger than the map ({length:.3g} m)"),
-        ("resolution", lambda v: 0 < v < 2 * pixel, f"finer than two pixels of the map ({2 * pixel:.3g} m)"),
-        (
-            "noise",
-            # in the band of the window less noise remains than is stated of single points
-            lambda v: v > 0 and noise_that_remains(window, v)[0] > rms_height,
-            f"larger than the rms height of the map ({rms_height:.3g} m)",
-        ),
+        ("tip_radius", tip_radius > length, f"larger than the map ({length:.3g} m)"),
+        ("resolution", 0 < resolution < 2 * pixel, f"finer than two pixels of the map ({2 * pixel:.3g} m)"),
+        ("noise", is_noisy, f"larger than the rms height of the map ({rms_height:.3g} m)"),
     ):
-        if is_excluded(value := instrument.get(key) or 0.0):
+        if is_excluded:
             raise SettingsError(
-                f"instrument.{key} = {value:g} m: {reason}; give it in m or with its unit (2 um)",
+                f"instrument.{key} = {instrument[key]:g} m: {reason}; give it in m or with its unit (2 um)",
                 keys=[f"instrument.{key}"],
             )
 

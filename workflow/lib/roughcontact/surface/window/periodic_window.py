@@ -175,24 +175,20 @@ def _cut_out(
     """Return the cut-out without its bands, and it made periodic."""
     step, band = spacing(height), cut.band
     part = height.isel({d: slice(s, s + u) for d, s, u in zip("yx", cut.start, cut.used, strict=True)})
-    cut_map = part.isel(
-        {d: slice(b // 2, b // 2 + side) for d, b, side in zip("yx", band, cut.sides, strict=True)}
-    )
+    cut_map = part.isel({d: slice(b // 2, b // 2 + n) for d, b, n in zip("yx", band, cut.sides, strict=True)})
     heights, flags = _made_periodic(part, method, band, width, step)
     coords = {
         # from the first point in even steps, as a mirrored map has no coordinates to take over
         d: xr.Variable(d, cut_map[d].values[0] + s * np.arange(n), part[d].attrs)
         for d, s, n in zip("yx", step, heights.shape, strict=True)
     }
-    fill_coordinate = {"filled": (("y", "x"), flags)}
-    return cut_map, xr.DataArray(heights, dims=("y", "x"), coords=coords | fill_coordinate, name="height")
+    coords["filled"] = xr.Variable(("y", "x"), flags)
+    return cut_map, xr.DataArray(heights, dims=("y", "x"), coords=coords, name="height")
 
 
 def _filled_points(height: xr.DataArray) -> np.ndarray:
     """Return the mask of filled points of a map."""
-    if "filled" in height.coords:
-        return height["filled"].values
-    return np.zeros(height.shape, dtype=np.int8)
+    return np.asarray(height.coords.get("filled", np.zeros(height.shape, dtype=np.int8)))
 
 
 def _largest_cut(
@@ -242,11 +238,8 @@ def _made_periodic(
         return periodisation.periodic_plus_smooth(heights, step), flags
     if method == "raw":
         return heights, flags
-    if flags.any():  # a blended point counts as filled where a filled one contributes to it
-        # rounding of the blend is no contribution
-        flags = (periodisation.cross_fade(flags.astype(float), band) > 1e-9).astype(np.int8)
-    else:
-        flags = np.zeros([n - b for n, b in zip(flags.shape, band, strict=True)], dtype=np.int8)
+    # a blended point counts as filled where a filled one contributes to it, by more than rounding
+    flags = (periodisation.cross_fade(flags.astype(float), band) > 1e-9).astype(np.int8)
     if method == "cross-fade":
         return periodisation.cross_fade(heights, band), flags
     return periodisation.smooth_cross_fade(heights, band, step), flags
@@ -262,9 +255,9 @@ def _already_periodic(
     periodic = periodisation.periodic_heights(values, form)
     if periodic is None:
         return None
-    values, form_restored = periodic
+    values, is_form_restored = periodic
     reason = "The map is periodic as it is; it was left alone."
-    if form_restored:
+    if is_form_restored:
         reason = (
             "The map is periodic as measured: the form that levelling removed was restored, except for its "
             "mean, and the map was left alone."
@@ -332,15 +325,14 @@ def _reason(
 ) -> str:
     """Return a sentence on the part of the map that is used, the reason, and the periodisation."""
     (ny, nx), used = shape, cut.used
+    why = "sides that suit the solver"
+    if cut.shortened:
+        why = "a whole number of periods of its texture"
+    elif missing:
+        why = f"the largest rectangle without missing points, with {why}"
+    text = f"{used[1]} × {used[0]} of {nx} × {ny} points are used: {why}"
     if [ny, nx] == used:
         text = f"The whole map of {nx} × {ny} points is used"
-    else:
-        why = "sides that suit the solver"
-        if cut.shortened:
-            why = "a whole number of periods of its texture"
-        elif missing:
-            why = f"the largest rectangle without missing points, with {why}"
-        text = f"{used[1]} × {used[0]} of {nx} × {ny} points are used: {why}"
     text += f"; made periodic by {method}" if method != "raw" else "; its edges are left as they are"
     if [*solved_shape] != used:
         text += f", which leaves {solved_shape[1]} × {solved_shape[0]} points"

@@ -78,12 +78,10 @@ def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.nda
     # in pixels of the finer pitch: Moisan's equation for oblong pixels
     wy, wx = (min(spacing) / np.asarray(spacing)) ** 2
     source = np.zeros(values.shape)
-    step_y = wy * (values[-1, :] - values[0, :])
-    source[0, :] += step_y
-    source[-1, :] -= step_y
-    step_x = wx * (values[:, -1] - values[:, 0])
-    source[:, 0] += step_x
-    source[:, -1] -= step_x
+    for edges, lines, weight in ((source, values, wy), (source.T, values.T, wx)):
+        step = weight * (lines[-1] - lines[0])
+        edges[0] += step
+        edges[-1] -= step
     qy = 2 * np.pi * np.fft.fftfreq(ny)[:, None]
     qx = 2 * np.pi * np.fft.rfftfreq(nx)[None, :]
     laplacian = -4 * (wy * np.sin(qy / 2) ** 2 + wx * np.sin(qx / 2) ** 2)
@@ -122,15 +120,14 @@ def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool =
         if points:
             values = np.moveaxis(values, axis, -1)
             length = values.shape[-1] - points
-            start_values, last = values[..., :points], values[..., length:]
             weight = np.sin(np.pi / 2 * (np.arange(points) + 0.5) / points) ** 2
-            blend = weight * start_values + (1 - weight) * last
+            blend = weight * values[..., :points] + (1 - weight) * values[..., length:]
             if keep_variance:
                 product = weight * (1 - weight)
                 # weights w and 1 - w of parts of correlation c leave the variance 1 - 2 w (1 - w) (1 - c)
                 blend /= np.sqrt(1 - 2 * product * (1 - correlations[axis]))
             values = np.concatenate([blend, values[..., points:length]], axis=-1)
-            del start_values, last, blend
+            del blend
             # half of the band at each end, so that the window lies in the middle of its part
             values = np.moveaxis(np.roll(values, -(points // 2), axis=-1), -1, axis)
     values += mean

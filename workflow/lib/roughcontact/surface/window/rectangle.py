@@ -14,15 +14,10 @@ def largest_rectangle(good: np.ndarray, sides: np.ndarray) -> tuple[int, int, in
     if good.all():
         return (0, 0, ny, nx) if sides[ny] * sides[nx] else (0, 0, 0, 0)
     columns = np.arange(nx)
-    tall = np.zeros(nx, dtype=int)
-    x_left = np.zeros(nx, dtype=int)
-    right = np.full(nx, nx)
+    tall, x_left, right = np.zeros(nx, dtype=int), np.zeros(nx, dtype=int), np.full(nx, nx)
     best, best_area, best_rank = (0, 0, 0, 0), 0, (0.0, 0.0)
     for row in range(ny):
         row_good = good[row]
-        if not row_good.any():
-            tall[:], x_left[:], right[:] = 0, 0, nx
-            continue
         # one past the last bad cell to the left, and the first bad cell to the right
         left_edge = np.maximum.accumulate(np.where(row_good, 0, columns + 1))
         to_right = np.minimum.accumulate(np.where(row_good, nx, columns)[::-1])[::-1]

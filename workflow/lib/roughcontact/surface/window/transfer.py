@@ -115,11 +115,11 @@ def restored(
 
 def corrected(window: xr.DataArray, instrument: Mapping[str, Any]) -> xr.DataArray:
     """Return a periodic map corrected for stated noise and transfer; `corrected_for` has both in words."""
-    stated_causes = {key: value for key in CORRECTED if (value := instrument.get(key))}
-    causes = [
-        f"{key.replace('_', ' ')} of {f'{size:g}' if key == 'numerical_aperture' else quantity(size, 'm')}"
-        for key, size in stated_causes.items()
-    ]
+    causes = []
+    for key in CORRECTED:
+        if size := instrument.get(key):
+            text = f"{size:g}" if key == "numerical_aperture" else quantity(size, "m")
+            causes.append(f"{key.replace('_', ' ')} of {text}")
     result = restored(window, instrument, noise=instrument.get("noise") or 0.0, equalise=True)
     return result.assign_attrs(corrected_for=", ".join(causes))
 
@@ -205,9 +205,8 @@ def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
         neighbourhood = around[start : start + len(block) + 2 * halves[0]]
         # a shift that lowers no point of the block need not be tried
         for i, j in np.argwhere((above < block.max() - neighbourhood.min()) & (above < tip_radius)):
-            np.minimum(
-                block, neighbourhood[i : i + block.shape[0], j : j + block.shape[1]] + above[i, j], out=block
-            )
+            shifted = neighbourhood[i : i + block.shape[0], j : j + block.shape[1]]
+            np.minimum(block, shifted + above[i, j], out=block)
     return window.copy(data=surface)
 
 
