@@ -66,9 +66,8 @@ def test_the_tip_of_a_stylus_is_found():
 def test_a_sphere_has_its_radius_on_steep_slopes_too():
     radius = 5.0  # slopes up to 1.6: its second derivative reaches eight times 1 / radius
     y, x = np.meshgrid(*[np.linspace(-3, 3, 601)] * 2, indexing="ij")
-    slopes, seconds = traces._derivatives(np.sqrt(radius**2 - x**2 - y**2), (0.01, 0.01))
+    curvatures, seconds = traces._curvatures(np.sqrt(radius**2 - x**2 - y**2), (0.01, 0.01))
     inside = (np.maximum(abs(x), abs(y)) < 2.99).ravel()  # differences reach round the map at its edges
-    curvatures = traces._normal_curvatures(slopes, seconds)
     assert np.count_nonzero(inside) > 1e5
     for curvature, derivative in zip(curvatures, seconds, strict=True):
         np.testing.assert_allclose(curvature[inside], -1 / radius, rtol=1e-3)
@@ -88,7 +87,7 @@ def test_a_tip_on_steep_walls_is_found():
     assert "the tip of a stylus" not in checks.smoothed(sharp.attrs).sentence
     assert "the tip of a stylus" in checks.smoothed(blunt.attrs).sentence
     # the second derivative, which is large on the walls, would not tell
-    seconds = traces._derivatives(blunt.values, (1e-9, 1e-9))[1]
+    seconds = traces._curvatures(blunt.values, (1e-9, 1e-9))[1]
     assert np.mean([traces._roundness(derivative) for derivative in seconds]) < checks.ROUNDED
 
 

@@ -38,9 +38,8 @@ from roughcontact.statistics.precision import widened
 from roughcontact.statistics.sealing.connectivity import region_sizes
 from roughcontact.statistics.sealing.gas import path_at_mean_pressure, slip_factor
 from roughcontact.statistics.sealing.percolation import percolation_columns
-from roughcontact.surface.roughness.heights import HEIGHT_PARAMETERS
+from roughcontact.surface.roughness.heights import HEIGHT_PARAMETERS, renew_parameters
 from roughcontact.surface.roughness.parameters import roughness_parameters
-from roughcontact.surface.roughness.record import renew_parameters
 from roughcontact.surface.roughness.summits import summit_statistics
 from roughcontact.surface.roughness.texture import texture_parameters
 

@@ -37,7 +37,7 @@ from roughcontact.contact.solve import contact_from, elasticity, solve_contact
 from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.statistics.contact_statistics import contact_statistics
-from roughcontact.surface.roughness.record import own_parameters
+from roughcontact.surface.roughness.heights import own_parameters
 
 FIRST_SHARE = 0.1  # of the squared tolerance, for the first step
 SHORTEST = 1e-6  # of the first step: a solver that leaves too much open makes it shorter and shorter

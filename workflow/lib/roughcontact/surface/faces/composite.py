@@ -14,8 +14,7 @@ from roughcontact.surface.faces import overlap
 from roughcontact.surface.faces.face import Face
 from roughcontact.surface.levelling.polynomial import fit_polynomial
 from roughcontact.surface.levelling.rejected import restore_rejected
-from roughcontact.surface.roughness.heights import height_parameters
-from roughcontact.surface.roughness.record import record_summit
+from roughcontact.surface.roughness.heights import height_parameters, record_summit
 from roughcontact.surface.window.band import reliable_wavelength
 from roughcontact.surface.window.instrument import OF_ONE_FACE, instrument_of_sum
 

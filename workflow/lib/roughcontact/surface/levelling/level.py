@@ -21,8 +21,7 @@ from roughcontact.surface.levelling.outliers import find_outliers
 from roughcontact.surface.levelling.polynomial import fit_polynomial, subtract_form
 from roughcontact.surface.levelling.row_jitter import RowJitter, find_row_jitter
 from roughcontact.surface.levelling.scan_lines import find_scars, line_offsets
-from roughcontact.surface.roughness.heights import height_parameters
-from roughcontact.surface.roughness.record import record_summit
+from roughcontact.surface.roughness.heights import height_parameters, record_summit
 from roughcontact.surface.roughness.traces import repeated_heights
 
 _MAX_SCALE_RATIO = 1e4  # pixel over nesting index, or nesting index over side: beyond it the unit is wrong

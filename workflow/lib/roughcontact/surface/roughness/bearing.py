@@ -36,20 +36,20 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     count = int(np.searchsorted(ratio, 1 - _CENTRAL_WIDTH + 1e-12, side="right"))
     fall = np.interp(ratio[:count] + _CENTRAL_WIDTH, ratio, curve)
     np.subtract(curve[:count], fall, out=fall)
-    start = ratio[int(fall.argmin())]
+    start = int(fall.argmin())
     del fall  # memory may not hold more than is needed of a large map
-    start_index = int(np.searchsorted(ratio, start))
     # rounding must not drop the last point
-    stop_index = int(np.searchsorted(ratio, start + _CENTRAL_WIDTH + 1e-12, side="right"))
+    stop = int(np.searchsorted(ratio, ratio[start] + _CENTRAL_WIDTH + 1e-12, side="right"))
     # the least-squares line through it, extended from 0 to 100 %, bounds the core; triangles of equal area
     # replace the curve above and below
-    middle, y = ratio[start_index:stop_index].mean(), curve[start_index:stop_index]
-    x = ratio[start_index:stop_index] - middle
+    middle, y = ratio[start:stop].mean(), curve[start:stop]
+    x = ratio[start:stop] - middle
     slope = float(x @ y / (x @ x)) if x.size > 1 else 0.0
     del x
     upper = float(y.mean() - slope * middle)
     lower = upper + slope
-    enters, leaves = (_material_ratio(height, ratio, curve) for height in (upper, lower))
+    # the material ratios at these heights, 0 above the curve and 1 below it
+    enters, leaves = map(float, np.interp([upper, lower], curve[::-1], ratio[::-1]))
     peaks = _material(enters, ratio, curve)
     dales = _void(leaves, ratio, curve)
     bounds = _PEAK_RATIO, _DALE_RATIO
@@ -73,11 +73,6 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
         "Vvv": dale_void,
         "Sdc": float(extreme - middle),
     }
-
-
-def _material_ratio(height: float, ratio: np.ndarray, curve: np.ndarray) -> float:
-    """Return the material ratio at which the curve has a height; 0 above and 1 below the curve."""
-    return float(np.interp(height, curve[::-1], ratio[::-1]))
 
 
 def _material(material_ratio: float, ratio: np.ndarray, curve: np.ndarray) -> float:

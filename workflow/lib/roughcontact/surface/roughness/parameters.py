@@ -210,7 +210,7 @@ def spectral_moments(height: xr.DataArray) -> tuple[float, float, float]:
     >>> [round(moment, 6) for moment in spectral_moments(wave)]
     [0.5, 0.5, 0.5]
     """
-    return _profile_moments(height, *_moments(height, wave_power(height.values)))
+    return _profile_moments(height, _moments(height, wave_power(height.values)))
 
 
 @as_si
@@ -273,12 +273,14 @@ def roughness_parameters(height: xr.DataArray, power: np.ndarray | None = None) 
     (0.707107, 16.0)
     """
     power = wave_power(height.values) if power is None else power
-    m0, gradient, laplacian = _moments(height, power)
+    moments = _moments(height, power)
+    m0, m2, m4 = _profile_moments(height, moments)
     return {
         "rms_height": rms_height(height),
-        "rms_gradient": math.sqrt(gradient),
-        "rms_curvature": math.sqrt(laplacian) / 2,
-        "nayak_parameter": _bandwidth(*_profile_moments(height, m0, gradient, laplacian)),
+        "rms_gradient": math.sqrt(moments[1]),
+        "rms_curvature": math.sqrt(moments[2]) / 2,
+        # in this order, so that no product leaves the range of doubles
+        "nayak_parameter": m0 / m2 * (m4 / m2) if m2 > 0 else math.nan,
         "points_per_shortest_wavelength": _cutoff_wavelength(height, power, (1.0, 1.0)),
     }
 
@@ -299,20 +301,11 @@ def _moments(height: xr.DataArray, power: np.ndarray) -> tuple[float, float, flo
     return m0, gradient, laplacian
 
 
-def _profile_moments(
-    height: xr.DataArray, m0: float, gradient: float, laplacian: float
-) -> tuple[float, float, float]:
+def _profile_moments(height: xr.DataArray, moments: tuple[float, float, float]) -> tuple[float, float, float]:
     """Return the moments of profiles from those of the surface."""
-    if min(height.shape) == 1:
-        return m0, gradient, laplacian
+    m0, gradient, laplacian = moments
     # of an isotropic surface: the mean of cos^2 is 1/2, that of cos^4 is 3/8
-    return m0, gradient / 2, laplacian * 3 / 8
-
-
-def _bandwidth(m0: float, m2: float, m4: float) -> float:
-    """Return m0 m4 / m2^2, NaN for a flat map."""
-    # in this order, so that no product leaves the range of doubles
-    return m0 / m2 * (m4 / m2) if m2 > 0 else math.nan
+    return moments if min(height.shape) == 1 else (m0, gradient / 2, laplacian * 3 / 8)
 
 
 def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[float, float]) -> float:
@@ -323,10 +316,8 @@ def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[floa
     qy, qx = fourier.wavevectors(height.shape, unit)
     last = int(np.rint(np.sqrt((qy**2).max() + qx[0, -1] ** 2) / fundamental))
     share = np.zeros(last + 1)
-    waves = zip(
-        each_wave(power, height.shape, spacing(height)), each_wave(power, height.shape, unit), strict=True
-    )
-    for (square, weight), (squared_in_unit, _) in waves:
+    systems = (each_wave(power, height.shape, steps) for steps in (spacing(height), unit))
+    for (square, weight), (squared_in_unit, _) in zip(*systems, strict=True):
         # the boundary between two shells belongs to the lower one, whatever the rounding
         shell = np.ceil(np.sqrt(squared_in_unit) / fundamental - (0.5 + 1e-9)).astype(int)
         share += np.bincount(shell.ravel(), weights=(square * weight).ravel(), minlength=last + 1)

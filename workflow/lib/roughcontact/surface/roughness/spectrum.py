@@ -79,11 +79,11 @@ def isotropic_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
     [1. 2. 3. 4.] [4. 0. 0. 0.]
     """
     power = wave_power(height.values)
-    lengths = [n * d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1]
-    limits = [np.pi / d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1]
-    fundamental = 2 * np.pi / max(lengths)
-    # beyond the shorter limit shells would be cut off
-    last = max(int(min(limits) / fundamental * (1 + 1e-9)), 1)
+    axes = [(n * d, d) for n, d in zip(height.shape, spacing(height), strict=True) if n > 1]
+    longest, coarsest = (max(values) for values in zip(*axes, strict=True))
+    fundamental = 2 * np.pi / longest
+    # beyond the shorter Nyquist limit shells would be cut off
+    last = max(int(np.pi / coarsest / fundamental * (1 + 1e-9)), 1)
     sides = fourier.halfplane_weights(height.shape)
     count, total, mean = np.zeros((3, last + 1))
     for squares, ring_power in each_wave(power, height.shape, spacing(height)):

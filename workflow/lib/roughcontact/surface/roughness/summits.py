@@ -1,6 +1,7 @@
 """Summits of a periodic map: their statistics, and one that stands out."""
 
 import math
+from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -35,6 +36,7 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
     result = dict.fromkeys(names, math.nan) | {"density": count / (values.size * dy * dx)}
     if count:
         heights = values[summit]
+        result |= {"height_std": float(heights.std()), "mean_height": float(heights.mean())}
         qy, qx = fourier.wavevectors(values.shape, (dy, dx))
         plan = make_plan(values, DOUBLE)
         spectrum = plan.forward(values)
@@ -44,8 +46,6 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
         plan.inverse(spectrum, values)
         # positive at a summit, as the curvature of a ball is
         result["mean_radius"] = float(1 / values[summit].mean())
-        result["height_std"] = float(heights.std())
-        result["mean_height"] = float(heights.mean())
     return result
 
 
@@ -95,17 +95,15 @@ def _highest(values: np.ndarray, top: int, around: int, images: int) -> tuple[li
     above = above[tuple(slice(max(n // images, 1)) for n in above.shape)]
     rounding = 1e-12 * float(np.abs(values).max(initial=0.0))
     reach = np.arange(-(around // 2), around // 2 + 1)
-    heights: list[float] = []
-    positions: list[tuple[int, ...]] = []
-    while len(heights) < _COMPARED:
-        position = tuple(int(i) for i in np.unravel_index(above.argmax(), above.shape))
+    heights, first = np.zeros(_COMPARED), ()
+    for rank in range(_COMPARED):
+        position = tuple(map(int, np.unravel_index(above.argmax(), above.shape)))
         if not above[position] > rounding:
             break
-        heights.append(float(above[position]))
-        positions.append(position)
+        heights[rank], first = above[position], first or position
         # its neighbourhood is one summit
         above[np.ix_(*((i + reach) % n for i, n in zip(position, above.shape, strict=True)))] = -np.inf
-    return heights + [0.0] * (_COMPARED - len(heights)), positions[0] if positions else ()
+    return heights.tolist(), first
 
 
 def _chance(heights: list[float]) -> float:
@@ -128,11 +126,10 @@ def _is_summit(values: np.ndarray) -> np.ndarray:
         block = summit[start : start + step]
         around = values[np.arange(start - 1, start + len(block) + 1) % ny][:, columns]
         middle = around[1:-1, 1:-1]
-        for dy in (-1, 0, 1):
-            for dx in (-1, 0, 1):
-                neighbour = around[1 - dy : len(block) + 1 - dy, 1 - dx : nx + 1 - dx]
-                if (dy, dx) > (0, 0):
-                    block &= middle > neighbour
-                elif (dy, dx) < (0, 0):
-                    block &= middle >= neighbour
+        for dy, dx in product((-1, 0, 1), repeat=2):
+            neighbour = around[1 - dy : len(block) + 1 - dy, 1 - dx : nx + 1 - dx]
+            if (dy, dx) > (0, 0):
+                block &= middle > neighbour
+            elif (dy, dx) < (0, 0):
+                block &= middle >= neighbour
     return summit

@@ -68,7 +68,9 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     '-3.6, -3.6'
     """
     values, steps = np.asarray(height.values, dtype=float), spacing(height)
-    power, frequency = wave_power(values), _frequencies(values.shape)
+    power, ny, nx = wave_power(values), *values.shape
+    # 1 for the Nyquist frequency of an axis
+    frequency = 2 * np.hypot(np.fft.fftfreq(ny)[:, None], np.fft.rfftfreq(nx))
     bands = _bands(power, frequency)
     exponents, wavelengths = _exponents(bands)
     if exponents.size == 0 or not np.ptp(values):
@@ -78,8 +80,9 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     fall = int(np.argmax(steep) if steep.any() else np.argmin(exponents))
     pitches = [d for n, d in zip(values.shape, steps, strict=True) if n > 1]
     floor, top = _floor(power, frequency)
-    slopes, seconds = _derivatives(values, steps)
-    curvatures = _normal_curvatures(slopes, seconds)
+    curvatures, seconds = _curvatures(values, steps)
+    # of white noise second differences have six times the variance of the heights
+    noise = [np.mean(second**2) * d**4 / 6 for second, d in zip(seconds, pitches, strict=True)]
     return {
         "spectrum_exponent": float(exponents.min()) - profile,
         # a frequency of 1 is two pixels
@@ -89,7 +92,7 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
         "sharpest_peak_radius": float(-1 / np.mean([np.quantile(c, _TAIL) for c in curvatures])),
         "top_exponent": top - profile,
         "noise_floor": float(np.sqrt(floor * values.size)),
-        "pixel_roughness": _pixel_roughness(seconds, pitches),
+        "pixel_roughness": float(np.sqrt(min(noise))),
         "pixel_pitch": float(max(pitches)),
     }
 
@@ -116,12 +119,6 @@ def repeated_heights(values: np.ndarray) -> float:
     few_steps = np.count_nonzero(distinct_steps <= max(_FEW_STEPS * median, 1.5 * quantum))
     expected_share = 0.5 * np.exp(_QUANTA * quantum / median)
     return float((step.size - distinct_steps.size) / few_steps / expected_share)
-
-
-def _frequencies(shape: tuple[int, ...]) -> np.ndarray:
-    """Return the frequency of each wave of the half-plane, 1 for the Nyquist frequency of an axis."""
-    ny, nx = shape
-    return 2 * np.hypot(np.fft.fftfreq(ny)[:, None], np.fft.rfftfreq(nx)[None, :])
 
 
 def _bands(power: np.ndarray, frequency: np.ndarray) -> _Bands:
@@ -188,8 +185,12 @@ def _floor(power: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:
     return float(floor), float(np.log(floor / lower) / np.log(stop / start))
 
 
-def _derivatives(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Return first and second derivatives along each axis at some points of the map."""
+def _curvatures(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return curvatures of normal sections and second derivatives along each axis at some points of the map.
+
+    The curvature of a normal section of a sphere is the same at all slopes: a tip of radius R leaves no peak
+    with one below -1/R (Villarrubia 1997, J. Res. NIST 102, 425); the second derivative does fall below it.
+    """
     # points far apart, whose derivatives are hardly correlated
     places = np.unravel_index(np.arange(0, values.size, max(1, values.size // _SAMPLE)), values.shape)
     slopes, seconds = [], []
@@ -201,18 +202,10 @@ def _derivatives(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[n
             )
             slopes.append((ahead - behind) / (2 * pitch))
             seconds.append((behind + ahead - 2 * sample) / pitch**2)
-    return slopes, seconds
-
-
-def _normal_curvatures(slopes: list[np.ndarray], seconds: list[np.ndarray]) -> list[np.ndarray]:
-    """Return the curvature of the normal sections along each axis, of a sphere the same at all slopes.
-
-    A tip of radius R leaves no peak with a curvature below -1/R (Villarrubia 1997, J. Res. NIST 102, 425);
-    the second derivative does fall below it, on slopes.
-    """
     # the normal is tilted against the z axis
     length = np.sqrt(1 + sum(slope**2 for slope in slopes))
-    return [curvature / (1 + slope**2) / length for slope, curvature in zip(slopes, seconds, strict=True)]
+    sections = zip(slopes, seconds, strict=True)
+    return [second / (1 + slope**2) / length for slope, second in sections], seconds
 
 
 def _roundness(curvature: np.ndarray) -> float:
@@ -225,10 +218,3 @@ def _roundness(curvature: np.ndarray) -> float:
     if not peak < shoulder < 0 < valley:  # not a shape of which peaks and valleys are the two tails
         return 0.0
     return float(np.log2(valley / -peak) + np.log2(_TAIL_OVER_SHOULDER * shoulder / peak))
-
-
-def _pixel_roughness(seconds: list[np.ndarray], pitches: list[float]) -> float:
-    """Return the rms height (m) of the white noise that has the second derivatives of a map."""
-    # of white noise second differences have six times the variance of the heights
-    variances = [np.mean(derivative**2) * d**4 / 6 for derivative, d in zip(seconds, pitches, strict=True)]
-    return float(np.sqrt(min(variances)))

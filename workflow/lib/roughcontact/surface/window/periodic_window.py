@@ -15,8 +15,8 @@ from roughcontact.arguments.si import as_si
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.surface.levelling.forms import form_from_record
 from roughcontact.surface.levelling.polynomial import share_of_form
+from roughcontact.surface.roughness.heights import record_summit, renew_parameters
 from roughcontact.surface.roughness.parameters import interior_rms_gradient, rms_gradient, steepest_share
-from roughcontact.surface.roughness.record import record_summit, renew_parameters
 from roughcontact.surface.roughness.summits import summit_that_stands_out
 from roughcontact.surface.roughness.traces import instrument_traces
 from roughcontact.surface.window import periodisation
