@@ -47,37 +47,36 @@ def used_region(height: xr.DataArray, *, crop: str = "", mask: str = "") -> xr.D
     if not crop and not mask:
         return height
     name, remarks = height.attrs.get("source_file") or "the map", height.attrs
-    size = " × ".join(quantity(length, "m") for length in side_lengths(height)[::-1])
     used = height
     for rectangle in parse_rectangles("mask", mask):
         used = used.where(~_inside(height, rectangle, f"{name}: mask = {mask}"))
     if mask:
         share = float((used.isnull() & height.notnull()).mean())
         rectangles = counted_noun(len(parse_rectangles("mask", mask)), "rectangle")
-        text = f"{rectangles} masked (mask = {mask}), {percent(share)} of the points of {size}"
+        text = f"{rectangles} masked (mask = {mask}), {percent(share)} of the points of {_size(height)}"
         remarks = {**remarks, **add_remark(remarks, f"{text}: they count as not measured", fact=True)}
     for rectangle in parse_rectangles("crop", crop):
         inside = _inside(height, rectangle, f"{name}: crop = {crop}")
         used = used.isel(y=inside.any("x").values, x=inside.any("y").values)
-        part = " × ".join(quantity(length, "m") for length in side_lengths(used)[::-1])
-        remarks = {
-            **remarks,
-            **add_remark(remarks, f"cropped to {part} of {size} (crop = {crop})", fact=True),
-        }
+        text = f"cropped to {_size(used)} of {_size(height)} (crop = {crop})"
+        remarks = {**remarks, **add_remark(remarks, text, fact=True)}
     missing = int(used.isnull().sum())
     if missing == used.size:
         raise HeightMapError(f"{name}: crop and mask leave no measured point; draw them smaller")
     return used.assign_attrs(remarks, missing_points=missing, missing_share=missing / used.size)
 
 
+def _size(height: xr.DataArray) -> str:
+    """Return the lengths of the sides of a map along x and y, in words."""
+    return " × ".join(quantity(length, "m") for length in side_lengths(height)[::-1])
+
+
 def _inside(height: xr.DataArray, rectangle: Rectangle, origin: str) -> xr.DataArray:
     """Return which points (y, x) of a map lie in a rectangle; `origin` begins the message of an error."""
     (ly, lx), (dy, dx) = side_lengths(height), spacing(height)
-    overhang = (
-        max(-rectangle.left, rectangle.right - lx) / dx,
-        max(-rectangle.lower, rectangle.upper - ly) / dy,
-    )
-    if max(overhang) > 1:  # a unit may be wrong; what is drawn by hand ends at the border
+    overhang_x = max(-rectangle.left, rectangle.right - lx) / dx
+    overhang_y = max(-rectangle.lower, rectangle.upper - ly) / dy
+    if max(overhang_x, overhang_y) > 1:  # a unit may be wrong; what is drawn by hand ends at the border
         raise HeightMapError(
             f"{origin}: reaches beyond the map, which is {quantity(lx, 'm')} along x and "
             f"{quantity(ly, 'm')} along y; count from its lower left corner, and check the unit"

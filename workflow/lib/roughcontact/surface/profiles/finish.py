@@ -64,8 +64,8 @@ def _redrawn(profiles: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray
 def correlation_length(profiles: np.ndarray) -> int:
     """Return the number of points within which the correlation of profiles (number, points) falls to 0.2."""
     correlation = sums_of_products(profiles)
-    below = np.flatnonzero(correlation < DECAY * correlation[0])
-    return int(below[0]) if below.size else correlation.size
+    # beyond the last shift where it never falls so far
+    return int(np.argmax(np.append(correlation < DECAY * correlation[0], True)))
 
 
 def draw(finish: Finish, points: int, ratio: float, rng: np.random.Generator) -> np.ndarray:
@@ -148,7 +148,7 @@ def _slopes(profiles: np.ndarray) -> np.ndarray:
     """Return the quantiles (classes, ranks) of the steps between neighbours, alike in both directions."""
     steps = np.diff(profiles).ravel()
     order = np.argsort((profiles[:, 1:] + profiles[:, :-1]).ravel(), kind="stable")
-    groups = (steps[chosen] for chosen in np.array_split(order, _CLASSES))
+    groups = np.array_split(steps[order], _CLASSES)
     # in both directions: a profile may be read backwards
     quantiles = [np.quantile(np.concatenate([group, -group]), _SLOPE_RANKS) for group in groups]
     return np.array(quantiles) / steps.std()

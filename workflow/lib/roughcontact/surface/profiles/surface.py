@@ -1,7 +1,6 @@
 """Surfaces drawn from profiles, as maps with what the profiles tell, and of what they warn."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -98,8 +97,7 @@ def surface_from_profiles(
     ((256, 256), '1 m')
     """
     check_lay(lay)
-    facts = lay_facts({"lay": lay})
-    if not facts.has_surface_behind:
+    if not lay_facts({"lay": lay}).has_surface_behind:
         raise SettingsError("lay = 'across': such profiles are ridges, and are solved as they are (evaluate)")
     stack = stacked(profiles, along)
     fit = fit_profiles(stack)
@@ -107,10 +105,10 @@ def surface_from_profiles(
     ratio = 1.0 if spacing is None else check_positive("spacing", spacing, unit="m") / pitch
     side = int(friendly_sides(min(fit.pieces.shape[1], _MAX_POINTS))[-1]) if points is None else points
     for key, value, minimum in (("points", side, 2), ("seed", seed, 0)):
-        if not (isinstance(value, Real) and value % 1 == 0 and value >= minimum):
+        if value < minimum:
             raise SettingsError(f"{key} = {value!r}: give a whole number of {minimum} or more", keys=[key])
     finish = fit_statistics(fit)
-    heights = draw(finish, int(side), ratio, np.random.default_rng(int(seed)))
+    heights = draw(finish, side, ratio, np.random.default_rng(seed))
     spectra = {  # the last two measured values are mean squares
         "wavenumber": 2 * np.pi * fit.band / pitch,
         "profiles": fit.measured[:-2] * pitch,
@@ -122,9 +120,8 @@ def surface_from_profiles(
         profiles=len(stack),
         correlation_length=correlation_length(fit.pieces) * pitch,
         stretch=finish.stretch,
-        **json_attributes(
-            {"profile_warnings": [*_warnings(fit, finish, side * ratio)], "profile_spectra": spectra}
-        ),
+        **json_attributes({"profile_warnings": [*_warnings(fit, finish, side * ratio)]}),
+        **json_attributes({"profile_spectra": spectra}),
         missing_points=0,
         missing_share=0.0,
     )
@@ -147,11 +144,8 @@ def stacked(profiles: Profiles, along: Profiles = ()) -> xr.DataArray:
         rows[0].attrs, profiles=len(rows), missing_points=missing, missing_share=missing / values.size
     )
     if along_rows:
-        stack.attrs |= {
-            "lay": BOTH,
-            "profiles_along": len(along_rows),
-            "pitch_along": spacing(along_rows[0])[1],
-        }
+        pitch_along = spacing(along_rows[0])[1]
+        stack.attrs |= {"lay": BOTH, "profiles_along": len(along_rows), "pitch_along": pitch_along}
     return stack
 
 
@@ -192,8 +186,7 @@ def with_lay(height: xr.DataArray, lay: str | None, along: Profiles) -> xr.DataA
     if isinstance(along, str) or not isinstance(along, Sequence | xr.DataArray):
         text = f"along is of type {type(along).__name__}: give a profile along the lay, or a list of them"
         raise SettingsError(text, keys=["along"])
-    takes_along = lay_facts({"lay": lay}).takes_profiles_along
-    if len(along) and not takes_along:
+    if len(along) and not lay_facts({"lay": lay}).takes_profiles_along:
         raise SettingsError(
             f"along: is of a surface with a lay, and lay = {lay!r}; state lay = 'across'", keys=["lay"]
         )

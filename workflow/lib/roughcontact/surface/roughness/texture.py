@@ -155,15 +155,13 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
     # bounding box of the region connected to the middle, with a margin for the splines
     regions, _ = label(correlation > DECAY)
     box = find_objects(regions)[regions[tuple(centre)] - 1]
-    box = [
-        slice(max(s.start - 4, 0), min(s.stop + 4, n)) for s, n in zip(box, correlation.shape, strict=True)
-    ]
-    peak = correlation[tuple(box)]
-    for axis, (side, n) in enumerate(zip(box, correlation.shape, strict=True)):
-        if side.stop - side.start == n > 1:  # a whole period: add its other end
+    starts = [max(side.start - 4, 0) for side in box]
+    peak = correlation[tuple(slice(start, side.stop + 4) for start, side in zip(starts, box, strict=True))]
+    for axis, n in enumerate(correlation.shape):
+        if peak.shape[axis] == n > 1:  # a whole period: add its other end
             peak = np.concatenate([peak, peak.take([0], axis)], axis)
     splines = spline_filter(peak, order=3)
-    middle = [c - s.start for c, s in zip(centre, box, strict=True)]
+    middle = [c - start for c, start in zip(centre, starts, strict=True)]
     profile = min(correlation.shape) == 1
     along = 1 if correlation.shape[1] > 1 else 0
     angles = [np.pi / 2 * (1 - along)] if profile else np.pi * np.arange(_RAYS) / _RAYS
@@ -186,9 +184,9 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
         distance = np.arange(0, min(reach, inside) + pitch / _POINTS_PER_PIXEL / 2, pitch / _POINTS_PER_PIXEL)
         points = [m + distance * u / d for m, d, u in zip(middle, spacing, direction, strict=True)]
         ray = map_coordinates(splines, points, order=3, prefilter=False, mode="nearest")
-        below = np.nonzero(ray <= DECAY)[0]
-        if below.size:
-            index = below[0]
+        is_below = ray <= DECAY
+        if is_below.any():
+            index = np.argmax(is_below)
             # linear between the two points, a quarter of a pixel apart
             share = (ray[index - 1] - DECAY) / (ray[index - 1] - ray[index])
             fallen.append(distance[index - 1] + share * (distance[index] - distance[index - 1]))
