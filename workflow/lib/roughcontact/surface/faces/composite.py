@@ -10,8 +10,8 @@ import xarray as xr
 from roughcontact.arguments.measurement import Instrument, Measurement, json_attribute, json_attributes
 from roughcontact.arguments.si import as_si
 from roughcontact.errors import HeightMapError
-from roughcontact.surface.faces import overlap
 from roughcontact.surface.faces.face import Face
+from roughcontact.surface.faces.overlap import Pair
 from roughcontact.surface.levelling.polynomial import fit_polynomial
 from roughcontact.surface.levelling.rejected import restore_rejected
 from roughcontact.surface.roughness.heights import height_parameters, record_summit
@@ -90,35 +90,31 @@ def composite(
     >>> bool(np.allclose(rc.composite(face, mirrored), 0))  # a face conforms to its own negative
     True
     """
-    lower, upper = Face(face), Face(counter_face)
-    overlap.check_pair(lower, upper, shift, rotation)
-    turn = overlap.cosine_and_sine(rotation)
-    period = overlap.common_period(lower, upper, turn)
-    positions = overlap.common_grid(lower, upper, turn, shift)
+    pair = Pair(Face(face), Face(counter_face), rotation, shift)
+    lower, upper, (cosine, sine) = pair.lower, pair.upper, pair.turn
+    positions = pair.grid()
     v, u = np.meshgrid(*(p - s for p, s in zip(positions, shift, strict=True)), indexing="ij")
-    cosine, sine = turn
     # the counter-face is seen from its back: x is mirrored
     face_positions = np.meshgrid(*positions, indexing="ij"), (v * cosine - u * sine, -(u * cosine + v * sine))
     values, on_filled = _sum_at((lower, upper), face_positions)
     is_measured = np.isfinite(values)
     if np.count_nonzero(is_measured) < 2:
         raise HeightMapError(
-            f"{overlap.pair_name(lower, upper)}: the faces have fewer than two measured points in common: "
-            "choose a smaller shift"
+            f"{pair.name}: the faces have fewer than two measured points in common: choose a smaller shift"
         )
     coordinates = [p + c for p, c in zip(positions, lower.middle, strict=True)]
     # a plane would break the period that both have
-    form, form_record = fit_polynomial(values, coordinates, order=0 if period else 1)
+    form, form_record = fit_polynomial(values, coordinates, order=0 if pair.is_periodic() else 1)
     values = values - form
     on_filled &= is_measured
     attrs = _attributes(lower, upper, on_filled)
-    coverage = float(is_measured.mean() * overlap.covered_share(lower, positions))
+    coverage = float(is_measured.mean() * pair.covered_share(positions))
     axes = [axis for axis, n in enumerate(lower.shape) if n > 1]
     pitches = [max(side.step[axis] for axis in axes) for side in (lower, upper)]
     sizes = [math.prod(side.lengths[axis] for axis in axes) for side in (lower, upper)]
     attrs |= {
-        "source_file": overlap.pair_name(lower, upper),
-        "form": "mean" if period else "plane",
+        "source_file": pair.name,
+        "form": "mean" if pair.is_periodic() else "plane",
         **json_attributes({"form_removed": form_record}),
         "shift_y": float(shift[0]),
         "shift_x": float(shift[1]),

@@ -12,30 +12,6 @@ _MAX_POINTS = 2**27  # the same limit as for a file
 _ANGLE_TOLERANCE = 1e-9  # sine or cosine below which two axes count as parallel
 
 
-def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float) -> None:
-    """Refuse a map and a profile, and an invalid shift (y, x; m) or rotation (degree) of two faces."""
-    name = pair_name(lower, upper)
-    across = [n == 1 for n in lower.shape]
-    if across != [n == 1 for n in upper.shape]:
-        raise HeightMapError(
-            f"{name}: a map and a profile have no composite height: measure two maps or two profiles"
-        )
-    if len(shift) != 2 or not np.isfinite(shift).all():
-        raise SettingsError(f"shift = {shift!r}: give two lengths (y, x) in m")
-    if not np.isfinite(rotation):
-        raise SettingsError(f"rotation = {rotation!r}: give an angle in degrees")
-    # a profile has no second direction, along which a shift would mean something
-    if any(across) and (rotation or any(s for s, single in zip(shift, across, strict=True) if single)):
-        raise SettingsError(
-            f"{name}: profiles can only be shifted along their length (composite.rotations: [0])"
-        )
-
-
-def pair_name(lower: Face, upper: Face) -> str:
-    """Return the name of the pair, from both file names."""
-    return f"{lower.name} + {upper.name}"
-
-
 def cosine_and_sine(rotation: float) -> tuple[float, float]:
     """Return cosine and sine of an angle, exact at right angles.
 
@@ -67,63 +43,85 @@ def axis_order(pair: Sequence, turn: tuple[float, float]) -> tuple | None:
     return tuple(pair[::-1]) if turn[0] == 0 else None
 
 
-def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
-    """Return whether the sum of two faces is periodic with the period of the lower one.
+class Pair:
+    """Two faces, the upper one turned over and placed on the lower one.
 
-    `turn` is (cosine, sine) of the rotation of the upper one.
+    `name` has those of both files; `rotation` (degree) and `shift` (y, x; m) are those of the middle of the
+    upper face, `turn` is (cosine, sine) of the rotation.
     """
-    # turned by other angles a square period does not repeat along the axes
-    lengths = axis_order(upper.lengths, turn)
-    if lengths is None or not (lower.periodic and upper.periodic):
-        return False
-    return np.allclose(lengths, lower.lengths, rtol=STEP_TOLERANCE, atol=0)
 
+    def __init__(self, lower: Face, upper: Face, rotation: float, shift: Sequence[float] = (0.0, 0.0)):
+        """Refuse a map and a profile, and an invalid shift or rotation."""
+        self.lower, self.upper, self.shift = lower, upper, shift
+        self.name = f"{lower.name} + {upper.name}"
+        across = [n == 1 for n in lower.shape]
+        if across != [n == 1 for n in upper.shape]:
+            raise HeightMapError(
+                f"{self.name}: a map and a profile have no composite height: measure two maps or two profiles"
+            )
+        if len(shift) != 2 or not np.isfinite(shift).all():
+            raise SettingsError(f"shift = {shift!r}: give two lengths (y, x) in m")
+        if not np.isfinite(rotation):
+            raise SettingsError(f"rotation = {rotation!r}: give an angle in degrees")
+        # a profile has no second direction, along which a shift would mean something
+        if any(across) and (rotation or any(s for s, single in zip(shift, across, strict=True) if single)):
+            raise SettingsError(
+                f"{self.name}: profiles can only be shifted along their length (composite.rotations: [0])"
+            )
+        self.turn = cosine_and_sine(rotation)
 
-def common_grid(
-    lower: Face, upper: Face, turn: tuple[float, float], shift: Sequence[float]
-) -> list[np.ndarray]:
-    """Return the grid [y, x] (m, from the middle of the lower face) on the overlap of both faces.
+    def has_common(self, sides: str) -> bool:
+        """Return whether both faces have the same `lengths` or `step` along each axis of the lower one."""
+        # turned by other angles a square period does not repeat along the axes
+        of_upper = axis_order(getattr(self.upper, sides), self.turn)
+        of_lower = getattr(self.lower, sides)
+        return of_upper is not None and np.allclose(of_upper, of_lower, rtol=STEP_TOLERANCE, atol=0)
 
-    It is that of the lower face, refined along an axis where the upper face, at (cosine, sine) and `shift`
-    (y, x; m), has the smaller step.
-    """
-    name = pair_name(lower, upper)
-    # at other angles points never meet: the finer of both steps decides
-    steps = axis_order(upper.step, turn) or (min(upper.step),) * 2
-    half_y, half_x = ((n - 1) * d / 2 for n, d in zip(upper.shape, upper.step, strict=True))
-    cosine, sine = (abs(v) for v in turn)
-    # half sides of the rectangle around the turned face
-    half = half_y * cosine + half_x * sine, half_x * cosine + half_y * sine
-    ranges = []
-    for axis, points in enumerate(lower.shape):
-        number, step = _points_and_step(points, lower.step[axis], steps[axis], periodic=lower.periodic)
-        origin = -(points - 1) * lower.step[axis] / 2
-        start, stop = 0, number
-        if not upper.periodic:
-            # points on the border belong to the overlap, whatever their rounding
-            low, high, tolerance = shift[axis] - half[axis], shift[axis] + half[axis], POINT_TOLERANCE * step
-            start = max(0, int(np.ceil((low - origin - tolerance) / step)))
-            stop = min(number, int(np.floor((high - origin + tolerance) / step)) + 1)
-        if stop - start < min(number, 2):
-            raise HeightMapError(f"{name}: the faces do not overlap: choose a smaller shift")
-        ranges.append((start, stop, origin, step))
-    ny, nx = (stop - start for start, stop, _, _ in ranges)
-    if ny * nx > _MAX_POINTS:
-        raise HeightMapError(
-            f"{name}: the common grid has {ny} x {nx} points, more than the limit of {_MAX_POINTS}: the "
-            "steps of the two maps are too different; crop one of them"
-        )
-    return [origin + step * np.arange(start, stop) for start, stop, origin, step in ranges]
+    def is_periodic(self) -> bool:
+        """Return whether the sum of both faces is periodic with the period of the lower one."""
+        return self.lower.periodic and self.upper.periodic and self.has_common("lengths")
 
+    def grid(self) -> list[np.ndarray]:
+        """Return the grid [y, x] (m, from the middle of the lower face) on the overlap of both faces.
 
-def covered_share(lower: Face, positions: Sequence[np.ndarray]) -> float:
-    """Return the share (0 to 1) of the lower face that the positions of `common_grid` span."""
-    shares = [
-        # cells, not points: the last point has a cell, too
-        1.0 if n == 1 else (p[-1] - p[0] + p[1] - p[0]) / ((n - 1) * d + p[1] - p[0])
-        for p, n, d in zip(positions, lower.shape, lower.step, strict=True)
-    ]
-    return min(1.0, float(np.prod(shares)))
+        It is that of the lower face, refined along an axis where the upper face has the smaller step.
+        """
+        lower, upper = self.lower, self.upper
+        # at other angles points never meet: the finer of both steps decides
+        steps = axis_order(upper.step, self.turn) or (min(upper.step),) * 2
+        half_y, half_x = ((n - 1) * d / 2 for n, d in zip(upper.shape, upper.step, strict=True))
+        cosine, sine = (abs(v) for v in self.turn)
+        # half sides of the rectangle around the turned face
+        half = half_y * cosine + half_x * sine, half_x * cosine + half_y * sine
+        ranges = []
+        for axis, points in enumerate(lower.shape):
+            number, step = _points_and_step(points, lower.step[axis], steps[axis], periodic=lower.periodic)
+            origin = -(points - 1) * lower.step[axis] / 2
+            start, stop = 0, number
+            if not upper.periodic:
+                # points on the border belong to the overlap, whatever their rounding
+                low, high = (self.shift[axis] + side * half[axis] - origin for side in (-1, 1))
+                start = max(0, int(np.ceil((low - POINT_TOLERANCE * step) / step)))
+                stop = min(number, int(np.floor((high + POINT_TOLERANCE * step) / step)) + 1)
+            if stop - start < min(number, 2):
+                raise HeightMapError(f"{self.name}: the faces do not overlap: choose a smaller shift")
+            ranges.append((start, stop, origin, step))
+        ny, nx = (stop - start for start, stop, _, _ in ranges)
+        if ny * nx > _MAX_POINTS:
+            raise HeightMapError(
+                f"{self.name}: the common grid has {ny} x {nx} points, more than the limit of {_MAX_POINTS}: "
+                "the steps of the two maps are too different; crop one of them"
+            )
+        return [origin + step * np.arange(start, stop) for start, stop, origin, step in ranges]
+
+    def covered_share(self, positions: Sequence[np.ndarray]) -> float:
+        """Return the share (0 to 1) of the lower face that the positions of its `grid` span."""
+        shares = [
+            # cells, not points: the last point has a cell, too
+            1.0 if n == 1 else (p[-1] - p[0] + p[1] - p[0]) / ((n - 1) * d + p[1] - p[0])
+            for p, n, d in zip(positions, self.lower.shape, self.lower.step, strict=True)
+        ]
+        return min(1.0, float(np.prod(shares)))
 
 
 def _points_and_step(

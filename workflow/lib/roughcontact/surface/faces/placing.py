@@ -191,10 +191,24 @@ def place_of(fine: xr.DataArray, overview: xr.DataArray, *, near: tuple[float, f
     check_size(fine, overview)
     # a stated place is searched within a margin
     place = best_place(fine, overview if near is None else _around(overview, fine, near))
+    names = [str(height.attrs.get("source_file") or "a map") for height in (overview, fine)]
+    way = (
+        "measure both without moving the part, the map in the middle of the overview, or state "
+        "overview_position: x and y, or elsewhere"
+    )
+    if place.correlation < MIN_CORRELATION:
+        raise HeightMapError(
+            f"overview: {names[0]} does not show the place of {names[1]}: it fits best {place}, and has to "
+            f"have {MIN_CORRELATION}; {way}"
+        )
+    # a stated place is not doubted, however many others look like it
     if near is not None:
-        # a stated place is not doubted, however many others look like it
-        place = place._replace(uncertainty=min(place.uncertainty, MAX_UNCERTAINTY))
-    _check_place(place, fine, overview)
+        return place._replace(uncertainty=min(place.uncertainty, MAX_UNCERTAINTY))
+    if place.uncertainty > MAX_UNCERTAINTY:
+        raise HeightMapError(
+            f"overview: {names[1]} fits into {names[0]} at several places, {percent(place.uncertainty)} of "
+            f"its side apart, as on grooves or a grating; {way}"
+        )
     return place
 
 
@@ -202,9 +216,8 @@ def best_place(fine: xr.DataArray, overview: xr.DataArray) -> Place:
     """Return where a levelled map fits best within a levelled overview (y, x; m), however well that is."""
     order = form_order(fine)
     steps = np.array(spacing(overview))
-    points = np.array(fine.shape) * spacing(fine) / steps
     # angles and scales are tried on a coarse overview, and refined on the full one
-    coarsening = max(1, int(points.min() // _SEARCHED_POINTS))
+    coarsening = max(1, int((side_lengths(fine) / steps).min() // _SEARCHED_POINTS))
     small = overview.coarsen(y=coarsening, x=coarsening, boundary="trim").mean()
     search = _Search(fine, small, order)
     angle, scale = search.strides
@@ -220,11 +233,8 @@ def best_place(fine: xr.DataArray, overview: xr.DataArray) -> Place:
         best = nearest
     surface = search.correlations(best)
     shift, shares = _peak(surface, search.shape)
-    origin = [float(overview[axis][0]) for axis in "yx"]
-    y, x = (
-        start + d * (offset + (n - 1) / 2)
-        for start, d, offset, n in zip(origin, steps, shift, search.shape, strict=True)
-    )
+    origin = np.array([float(overview[axis][0]) for axis in "yx"])
+    y, x = map(float, origin + steps * (shift + (np.array(search.shape) - 1) / 2))
     return Place(y, x, float(best[0]), float(best[1]), float(surface.max()), float(max(shares)))
 
 
@@ -280,9 +290,8 @@ def measured_rectangle(levelled: xr.DataArray) -> xr.DataArray:
 def check_size(fine: xr.DataArray, overview: xr.DataArray) -> None:
     """Refuse an overview that holds too few fields, or whose points are too few or not coarser."""
     names = " and ".join(str(height.attrs.get("source_file") or "a map") for height in (fine, overview))
-    sides = [np.array(height.shape) * spacing(height) for height in (fine, overview)]
-    fields = sides[1] / sides[0]
-    points = np.array(fine.shape) * spacing(fine) / spacing(overview)
+    sides = np.array(side_lengths(fine))
+    fields, points = side_lengths(overview) / sides, sides / spacing(overview)
     wrong = ""
     if min(dimensions(fine.shape), dimensions(overview.shape)) < 2:
         wrong = "a profile has no overview; give two maps"
@@ -300,30 +309,11 @@ def check_size(fine: xr.DataArray, overview: xr.DataArray) -> None:
         raise HeightMapError(f"overview: {names}: {wrong}, or leave overview empty")
 
 
-def _check_place(place: Place, fine: xr.DataArray, overview: xr.DataArray) -> None:
-    """Refuse a place at which the maps differ, or one that is not the only one."""
-    names = [str(height.attrs.get("source_file") or "a map") for height in (overview, fine)]
-    way = (
-        "measure both without moving the part, the map in the middle of the overview, or state "
-        "overview_position: x and y, or elsewhere"
-    )
-    if place.correlation < MIN_CORRELATION:
-        raise HeightMapError(
-            f"overview: {names[0]} does not show the place of {names[1]}: it fits best {place}, and has to "
-            f"have {MIN_CORRELATION}; {way}"
-        )
-    if place.uncertainty > MAX_UNCERTAINTY:
-        raise HeightMapError(
-            f"overview: {names[1]} fits into {names[0]} at several places, {percent(place.uncertainty)} of "
-            f"its side apart, as on grooves or a grating; {way}"
-        )
-
-
 def _neighbours(middle: tuple[float, float], step: np.ndarray) -> Iterator[tuple[float, float]]:
     """Yield the next angles and scales, up to the limits of the search."""
     limits = np.array([_MAX_ANGLE, _MAX_SCALING])
-    for direction in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        angle, stretch = np.clip(middle + direction * step - (0, 1), -limits, limits)
+    for direction in np.array([(1, 0), (-1, 0), (0, 1), (0, -1)]):
+        angle, stretch = np.clip(np.array(middle) + direction * step - [0, 1], -limits, limits)
         yield float(angle), 1 + float(stretch)
 
 
@@ -347,7 +337,7 @@ class _Search:
         self._size, self._points = image.shape, [scipy.fft.next_fast_len(n, real=True) for n in image.shape]
         self._image, self._squares = (scipy.fft.rfft2(field, self._points) for field in (image, image**2))
         self._heights: dict[tuple[float, float], float] = {}
-        sides = np.array(fine.shape) * self._fine_steps * largest / self._steps
+        sides = np.array(side_lengths(fine)) * largest / self._steps
         self.shape = tuple(map(int, sides + _ROUNDING))
         half = max(self.shape) / 2
         self.strides = np.degrees(_SEARCHED_SHIFT / half), _SEARCHED_SHIFT / half  # of angle and scale

@@ -8,7 +8,7 @@ import xarray as xr
 from roughcontact.arguments.si import as_si
 from roughcontact.errors import SettingsError
 from roughcontact.surface.faces.face import Face
-from roughcontact.surface.faces.overlap import STEP_TOLERANCE, axis_order, check_pair, cosine_and_sine
+from roughcontact.surface.faces.overlap import Pair, axis_order
 
 
 @as_si
@@ -73,23 +73,22 @@ def relative_positions(
     if not 0 < overlap <= 1:
         raise SettingsError(f"composite.overlap = {overlap!r}: give a share above 0, up to 1")
     lower, upper = Face(face), Face(counter_face)
-    check_pair(lower, upper, (0.0, 0.0), rotations[0])
     placements = []
     for number, rotation in enumerate(rotations):
-        turn = cosine_and_sine(rotation)
+        pair = Pair(lower, upper, rotation)
         # a stream for each rotation: more of them change no earlier ones
         samples = np.random.default_rng([seed, number]).uniform(-1, 1, (shifts, 2))
-        reach = _max_shift(lower, upper, turn, overlap)
+        shifts_there = samples * _max_shift(pair, overlap)
         placements += [
-            {"shift": _aligned_shift(lower, upper, turn, row * reach), "rotation": float(rotation)}
-            for row in samples
+            {"shift": _aligned_shift(pair, shift), "rotation": float(rotation)} for shift in shifts_there
         ]
     return placements
 
 
-def _max_shift(lower: Face, upper: Face, turn: tuple[float, float], overlap: float) -> np.ndarray:
+def _max_shift(pair: Pair, overlap: float) -> np.ndarray:
     """Return the largest shift (y, x), m."""
-    cosine, sine = (abs(v) for v in turn)
+    lower, upper = pair.lower, pair.upper
+    cosine, sine = (abs(v) for v in pair.turn)
     reach = []
     for axis in (0, 1):
         along, across = upper.lengths[axis], upper.lengths[1 - axis]
@@ -104,15 +103,12 @@ def _max_shift(lower: Face, upper: Face, turn: tuple[float, float], overlap: flo
     return np.array(reach)
 
 
-def _aligned_shift(
-    lower: Face, upper: Face, turn: tuple[float, float], shift: np.ndarray
-) -> tuple[float, ...]:
+def _aligned_shift(pair: Pair, shift: np.ndarray) -> tuple[float, ...]:
     """Return the nearest shift for which the points of both maps coincide, or `shift` if there is none."""
-    steps, points = axis_order(upper.step, turn), axis_order(upper.shape, turn)
-    if steps is None or points is None or not np.allclose(steps, lower.step, rtol=STEP_TOLERANCE, atol=0):
-        return tuple(map(float, shift))
-    # of unlike numbers of points the middles lie half a pixel apart
-    odd = [(n - m) % 2 / 2 for n, m in zip(lower.shape, points, strict=True)]
-    return tuple(
-        float((np.rint(s / d - half) + half) * d) for s, d, half in zip(shift, lower.step, odd, strict=True)
-    )
+    points = axis_order(pair.upper.shape, pair.turn)
+    if points is not None and pair.has_common("step"):
+        steps = np.array(pair.lower.step)
+        # of unlike numbers of points the middles lie half a pixel apart
+        half = np.subtract(pair.lower.shape, points) % 2 / 2
+        shift = (np.rint(shift / steps - half) + half) * steps
+    return tuple(map(float, shift))

@@ -4,7 +4,7 @@ Ridges, steps, pits and scratches are kept, however high, because the highest po
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
@@ -42,7 +42,7 @@ def find_outliers(values: np.ndarray, *, threshold: float) -> tuple[np.ndarray, 
     """
     counts: Counter[str] = Counter()
     outliers = np.zeros(values.shape, dtype=bool)
-    finders = {
+    finders: dict[str, Callable[[np.ndarray], np.ndarray]] = {
         "spike": partial(_spikes, threshold=threshold),
         "sentinel": _sentinels,
         "dead_line": _dead_lines,
@@ -90,21 +90,17 @@ def _dead_rows(values: np.ndarray) -> np.ndarray:
     """Return the mask of rows with a single value that deviate from their neighbours."""
     result = np.zeros(values.shape, dtype=bool)
     is_measured = ~np.isnan(values)
-    has_measured_points = is_measured.sum(axis=1) >= _MIN_LINE_POINTS
-    rows = np.nonzero(has_measured_points)[0]
-    if rows.size < _MIN_LINE_POINTS:
-        return result
-    low = np.min(np.where(is_measured, values, np.inf), axis=1)
-    high = np.max(np.where(is_measured, values, -np.inf), axis=1)
-    constant = has_measured_points & (low == high)
-    alive = np.nonzero(has_measured_points & ~constant)[0]
+    has_points = is_measured.sum(axis=1) >= _MIN_LINE_POINTS
+    low = values.min(axis=1, initial=np.inf, where=is_measured)
+    constant = has_points & (low == values.max(axis=1, initial=-np.inf, where=is_measured))
+    alive = np.flatnonzero(has_points & ~constant)
     # if all lines are constant, the surface is flat or has an exact lay
-    if not constant.any() or alive.size < rows.size / 2:
+    if has_points.sum() < _MIN_LINE_POINTS or not constant.any() or alive.size < has_points.sum() / 2:
         return result
     # a dead line is farther from its neighbours than lines usually are
     usual = _median_distance(values[alive[1:]], values[alive[:-1]])
     usual = np.median(usual[~np.isnan(usual)])
-    for row in np.nonzero(constant)[0]:
+    for row in np.flatnonzero(constant):
         index = np.searchsorted(alive, row)
         neighbours = alive[max(index - 1, 0) : index + 1]
         steps = _median_distance(values[neighbours], np.full(values.shape[1], low[row]))

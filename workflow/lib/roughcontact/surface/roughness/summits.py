@@ -95,7 +95,8 @@ def _highest(values: np.ndarray, top: int, around: int, images: int) -> tuple[li
     above = above[tuple(slice(max(n // images, 1)) for n in above.shape)]
     rounding = 1e-12 * float(np.abs(values).max(initial=0.0))
     reach = np.arange(-(around // 2), around // 2 + 1)
-    heights, first = np.zeros(_COMPARED), ()
+    heights = np.zeros(_COMPARED)
+    first: tuple[int, ...] = ()
     for rank in range(_COMPARED):
         position = tuple(map(int, np.unravel_index(above.argmax(), above.shape)))
         if not above[position] > rounding:

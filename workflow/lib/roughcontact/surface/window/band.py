@@ -105,12 +105,12 @@ def limit_band(
             )
         # what lies outside is taken away, so that heights within the band keep all their digits
         values = values - np.fft.irfft2(spectrum, s=values.shape)
-    sides = [(n * d, d) for n, d in zip(window.shape, step, strict=True) if n > 1]
-    grid = 2 * min(pitch for _, pitch in sides)
-    longest_side = max(length for length, _ in sides)
+    # a profile has a pitch across its length, too, which means nothing
+    pitches = [d for n, d in zip(window.shape, step, strict=True) if n > 1]
+    lengths = [n * d for n, d in zip(window.shape, step, strict=True) if n > 1]
     return window.copy(data=values).assign_attrs(
-        band_shortest=float(max(shortest or 0.0, grid)),
-        band_longest=float(min(longest or math.inf, longest_side)),
+        band_shortest=float(max(shortest or 0.0, 2 * min(pitches))),
+        band_longest=float(min(longest or math.inf, max(lengths))),
         band_reason=reason,
         band_removed_rms_height=math.sqrt(removed_power.sum()),
         band_removed_rms_gradient=math.sqrt((q**2 * removed_power).sum()),
