@@ -64,6 +64,7 @@ def test_an_uneven_profile(read, refused):
     x = np.sort(RNG.random(500)) * 200
     text = cells(np.column_stack([x, 0.1 * x]), " ", "{:.9f}")
     refused(text, r"not evenly spaced.*give resample = linear", unit="um")
+    refused(text, "unit of its positions; give unit", height_unit="um", resample="linear", dx="0.5 m")
     height = read(text, unit="um", resample="linear", dx=0.5)
     assert height.shape == (1, int(np.ptp(x) / 0.5) + 1)
     measured = np.isfinite(height.values[0])

@@ -196,7 +196,7 @@ Steigung; pente; pendiente; intensity image; Grauwerte; niveaux de gris; Kamerab
 error map; difference of two maps; Differenz zweier Messungen; thickness map; Schichtdicke; in fringes
 Optical path difference; λ/2 units; Rückhub; Scan: return; Sens de palpage : retour; Corsa di ritorno
 Trazado de vuelta; Direction = backward; right → left; Tastrichtung: zurück; Pendenze; Carte des pentes
-Mapa de pendientes; Steigungsprofil; Local slope along the trace; Curvature map; Phasenbild; Carte de phase"""
+Mapa de pendientes; Steigungsprofil; Curvature map; Carte de phase; Difference to CAD; Residual after fit"""
 SCALED = (
     "Werte mit 10 multipliziert; Höhen mal 10; Höhen × 10; x10; Verstärkung 10; facteur 10; scaled by 0.1; "
     "Signal gain: 10; Amplification du signal 10; Guadagno: 10; Ganancia 10; Z-Faktor 10"
@@ -232,13 +232,9 @@ def test_words_of_validity_do_not_hide_a_marker(read, refused):
     "line",
     [
         *("Zoom: 1", "Objective 50x", "Factor 1.0", "Operator: Bas", "12:01:30", "Integral gain: 0.5"),
-        *(
-            "Messrichtung: quer zur Walzrichtung",
-            "Sens de mesure : aller",
-            "Direzione: avanti",
-            "Slope removed",
-        ),
+        *("Messrichtung: quer zur Walzrichtung", "Sens de mesure : aller", "Direzione: avanti"),
         *("Spring constant 40 N/m", "Cut-off (mm): 0.8", "Steigung abgezogen", "Camera gain: 12 dB"),
+        *("Slope removed", "Batch x12", "Step height standard 50 nm"),
     ],
 )
 def test_usual_lines_of_a_header_cause_no_warning(read, line):

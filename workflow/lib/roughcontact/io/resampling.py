@@ -12,7 +12,7 @@ from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel, Points
 from roughcontact.io.guards import check_points
 from roughcontact.io.request import Request
-from roughcontact.io.scale import given_steps
+from roughcontact.io.scale import given_step
 from roughcontact.io.units import is_length, metres
 
 _REACH = 2.0  # steps from the nearest point beyond which a grid point counts as not measured
@@ -30,8 +30,10 @@ def resample_evenly(channel: Channel, request: Request) -> tuple[Channel, Reques
         way_out = "give resample = linear (table of surfaces or argument) to interpolate to an even grid"
         elsewhere = "interpolate and export it with the instrument's software"
         raise InputFileError(f"{points.uneven}; {way_out}, or {elsewhere}", keys=["resample"])
-    steps = given_steps(request)
+    steps = given_step("dx", request), given_step("dy", request)
     if any(steps):  # positions and steps in `unit`
+        if request.unit is None and not is_length(channel.lateral_unit):
+            raise InputFileError("the file does not say the unit of its positions; give unit", keys=["unit"])
         unit = request.unit or "m"
         factor = metres(channel.lateral_unit) / metres(unit) if is_length(channel.lateral_unit) else 1.0
         y = None if points.y is None else points.y * factor

@@ -3,6 +3,8 @@
 The user overrides the file, with a note where they differ. Missing values are never guessed.
 """
 
+from collections.abc import Iterator
+
 from roughcontact.arguments.checking import check_positive
 from roughcontact.arguments.si import convert_quantity
 from roughcontact.arguments.units import carries_unit
@@ -36,8 +38,7 @@ def decide_scale(channel: Channel, request: Request) -> tuple[tuple[float, float
         wrong = f"channel {channel.name!r} holds no heights ({channel.no_height})"
         raise InputFileError(f"{wrong}; {way_out}", keys=["height_unit"])
     notes: list[str] = []
-    factor = _lateral_factor(channel, request, notes)
-    dx, dy = (_step(name, channel, request, factor, notes) for name in ("dx", "dy"))
+    dx, dy = _steps(channel, request, notes)
     # the width of a profile is never used; a step along y keeps its array like that of a map
     if channel.is_line and dy is None:
         dy = dx
@@ -53,19 +54,14 @@ def decide_scale(channel: Channel, request: Request) -> tuple[tuple[float, float
     return (dx, dy), _height_factor(channel, request, (dx, dy), notes), notes
 
 
-def given_steps(request: Request) -> tuple[float | None, float | None]:
-    """Return the steps (dx, dy; m) that the user gives, None where there is none.
+def given_step(name: str, request: Request) -> float | None:
+    """Return the step `dx` or `dy` (m) that the user gives, with its own unit or in `unit`; None: none.
 
     Examples
     --------
-    >>> given_steps(Request(dx="1.5 um", dy=2.0, unit="mm"))
-    (1.5e-06, 0.002)
+    >>> [given_step(name, Request(dx="1.5 um", dy=2.0, unit="mm")) for name in ("dx", "dy")]
+    [1.5e-06, 0.002]
     """
-    return _given_step("dx", request), _given_step("dy", request)
-
-
-def _given_step(name: str, request: Request) -> float | None:
-    """Return a step from the user in m, with its own unit or in `unit`."""
     value = getattr(request, name)
     if value is None:
         return None
@@ -77,27 +73,23 @@ def _given_step(name: str, request: Request) -> float | None:
     return number * metres(request.unit, where="unit", error=SettingsError)
 
 
-def _step(
-    name: str, channel: Channel, request: Request, factor: float | None, notes: list[str]
-) -> float | None:
-    """Return one step in m, None if unknown; add a note where file and user differ."""
-    step, file_step = _given_step(name, request), getattr(channel, name)
-    if step is None:
-        return None if file_step is None or factor is None else file_step * factor
-    stated_unit = channel.lateral_unit or request.unit
-    in_file = file_step * metres(stated_unit) if file_step is not None and is_length(stated_unit) else step
-    if abs(in_file / step - 1) > 1e-3:
-        notes.append(f"{name} = {step:.6g} m as given by the user, where the file says {in_file:.6g} m")
-    return step
-
-
-def _lateral_factor(channel: Channel, request: Request, notes: list[str]) -> float | None:
-    """Return the metres per unit of the file's own steps, None if unknown or not needed."""
-    file_unit, is_needed = channel.lateral_unit, request.dx is None or request.dy is None
-    if request.unit is None:
-        return metres(file_unit, where="lateral unit") if file_unit is not None and is_needed else None
-    conflict = file_unit if is_needed and channel.dx is not None else None
-    return _given_factor("unit", request.unit, "steps", conflict, notes)
+def _steps(channel: Channel, request: Request, notes: list[str]) -> Iterator[float | None]:
+    """Yield the steps along x and y in m, None if unknown; add notes where file and user differ."""
+    factor, file_unit, is_needed = None, channel.lateral_unit, request.dx is None or request.dy is None
+    if request.unit is not None:
+        conflict = file_unit if is_needed and channel.dx is not None else None
+        factor = _given_factor("unit", request.unit, "steps", conflict, notes)
+    elif file_unit is not None and is_needed:
+        factor = metres(file_unit, where="lateral unit")
+    stated_unit = file_unit or request.unit
+    for name, file_step in (("dx", channel.dx), ("dy", channel.dy)):
+        step = given_step(name, request)
+        if step and file_step is not None and is_length(stated_unit):
+            in_file = file_step * metres(stated_unit)
+            if abs(in_file / step - 1) > 1e-3:
+                where = f"where the file says {in_file:.6g} m"
+                notes.append(f"{name} = {step:.6g} m as given by the user, {where}")
+        yield file_step * factor if step is None and file_step is not None and factor is not None else step
 
 
 def _is_half_stated(channel: Channel, request: Request) -> bool:

@@ -19,14 +19,11 @@ def read(path: Path) -> MeasuredFile:
     if len(shape) != 2 or 0 in shape:
         raise InputFileError(f"an array of shape {values.shape}; a map has two axes (y, x), a profile one")
     channel = Channel("height", shape, lambda: as_heights(values))
-    file = MeasuredFile("NumPy array", [channel], first_row="bottom", first_row_assumed=True)
+    if values.dtype.kind in "iuf":
+        refuse_points(values)
     # NumPy ignores bytes behind the array, which a damaged header leaves there
-    file.required_size = getattr(values, "offset", 0) + values.nbytes
-    if values.dtype.kind not in "iuf":
-        channel.no_height = f"values of type {values.dtype}, not real numbers"
-        return file
-    refuse_points(values)
-    return file
+    size = getattr(values, "offset", 0) + values.nbytes
+    return MeasuredFile("NumPy array", [channel], "bottom", first_row_assumed=True, required_size=size)
 
 
 READER = Reader(RecognisedBy.MARK, begins_with(b"\x93NUMPY"), read)
