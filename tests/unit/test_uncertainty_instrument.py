@@ -29,7 +29,7 @@ from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.calibration import entry, table
 from roughcontact.uncertainty.combination import sum_of_causes
 from roughcontact.uncertainty.ensemble import Result
-from roughcontact.uncertainty.instrument import instrument_components
+from roughcontact.uncertainty.inputs import instrument_components
 from roughcontact.uncertainty.scales import (
     ANSWERS,
     AREA,

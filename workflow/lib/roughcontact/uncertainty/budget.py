@@ -14,12 +14,11 @@ from roughcontact.errors import HeightMapError
 from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.surface.window.transfer import undone
+from roughcontact.uncertainty import inputs
 from roughcontact.uncertainty.budget_inputs import budget_inputs, solver_components
 from roughcontact.uncertainty.combination import COMBINED, SIDES, SOURCES, Components, sum_of_causes
 from roughcontact.uncertainty.discretisation import Refinement, discretisation_error, periodic_interpolant
 from roughcontact.uncertainty.ensemble import Result, loads_of, measured_slices, rejected_load_share
-from roughcontact.uncertainty.inputs import AMPLIFICATIONS, HARDNESS, INPUTS, input_uncertainty
-from roughcontact.uncertainty.instrument import add_correction_source, instrument_components
 from roughcontact.uncertainty.intervals import add_pressure, area_for_the_load, interval_columns
 from roughcontact.uncertainty.scales import AREA, PRESSURE, headline_names, to_scale
 from roughcontact.uncertainty.subwindows import Scatter, sample_attributes, scatter_of_subwindows
@@ -29,10 +28,10 @@ from roughcontact.uncertainty.unresolved import band_is_chosen, hidden_waves, ma
 OF_MATERIAL: dict[str, UncertaintySource] = {
     "contact_modulus": "material",
     "mean_pressure": "material",
-    HARDNESS: "hardness",
+    inputs.HARDNESS: "hardness",
 }
 MATERIAL_UNCERTAINTIES = {name_of_range(name): name for name in OF_MATERIAL}
-_LABELS: dict[str, Any] = {"source": [*SOURCES, COMBINED], "component": [*SIDES], "input": [*INPUTS]}
+_LABELS: dict[str, Any] = {"source": [*SOURCES, COMBINED], "component": [*SIDES], "input": [*inputs.INPUTS]}
 
 
 @as_si
@@ -69,7 +68,7 @@ def error_budget(
         (loads included) that led to the result; `contact` may also hold `contact_modulus_uncertainty`,
         `mean_pressure_uncertainty` and `hardness_uncertainty` (relative, expanded; of the hardness one
         number, or one below and one above), and `instrument` what is stated of the instrument
-        (`roughcontact.uncertainty.instrument`).
+        (`roughcontact.uncertainty.inputs`).
     sources : list of str
         `solver` (error bound), `discretisation` (finer pixels), `window` (scatter of subwindows, calibrated),
         `instrument` (what is stated of it; always for a window that is corrected for it), `material` (modulus
@@ -125,9 +124,9 @@ def error_budget(
     contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
     # a load that does not converge gives NaN instead of ending the job
     lenient, load = {**contact, "on_failure": "flag"}, loads_of(contact)
-    share = rejected_load_share(levelled, window=settings["window"], contact=lenient)
-    columns: dict[str, tuple] = {"rejected_load_share": ("load", share)}
-    if not (sources := add_correction_source(sources, window)):
+    rejected = rejected_load_share(levelled, window=settings["window"], contact=lenient)
+    columns: dict[str, tuple] = {"rejected_load_share": ("load", rejected)}
+    if not (sources := inputs.add_correction_source(sources, window)):
         return xr.Dataset(columns, {"mean_pressure": ("load", load)})
     solved = solve_contact(window, **contact, reduce=budget_inputs) if solved is None else solved
     as_solved = {name: solved[name].values for name in headline_names(solved)}
@@ -155,33 +154,27 @@ def error_budget(
     uncertain = {key: source for key, source in OF_MATERIAL.items() if source in sources}
     ranges = {key: settings["contact"].get(name_of_range(key)) for key in uncertain}
     ranges |= instrument if "instrument" in sources else {}
-    hardness = ends(result.hardness, ranges.get(HARDNESS))
-    sensitivities, of_inputs = input_uncertainty(result, solved, ranges)
+    hardness = ends(result.hardness, ranges.get(inputs.HARDNESS))
+    sensitivities, of_inputs = inputs.input_uncertainty(result, solved, ranges)
     columns |= {f"{name}_sensitivity": (("load", "input"), slopes) for name, slopes in sensitivities.items()}
     if hardness[0] < hardness[1]:
-        columns |= {f"{HARDNESS}_lower": ((), hardness[0]), f"{HARDNESS}_upper": ((), hardness[1])}
+        columns |= {"hardness_lower": ((), hardness[0]), "hardness_upper": ((), hardness[1])}
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
     for source in dict.fromkeys(uncertain.values()):
         components[source] = sum_of_causes(of_inputs[key] for key in uncertain if uncertain[key] == source)
     if "instrument" in sources:
-        as_measured = (
-            periodic_window(levelled, **{**settings["window"], "correct_for": None})
-            if "corrected_for" in window.attrs
-            else None
-        )
-        causes, as_measured_values = instrument_components(result, instrument, as_measured, true_shapes)
+        as_measured = _before_correction(levelled, window, settings["window"])
+        causes, uncorrected = inputs.instrument_components(result, instrument, as_measured, true_shapes)
         # amplifications have components of the pressure in contact of their own
         causes = [add_pressure(sum_of_causes(causes), area_for_the_load(result, middle))]
-        components["instrument"] = sum_of_causes([*causes, *(of_inputs[key] for key in AMPLIFICATIONS)])
-        columns |= {f"{name}_as_measured": ("load", value) for name, value in as_measured_values.items()}
+        components["instrument"] = sum_of_causes(causes + [of_inputs[key] for key in inputs.AMPLIFICATIONS])
+        columns |= {f"{name}_as_measured": ("load", value) for name, value in uncorrected.items()}
     if "unresolved" in sources:
         columns |= (curve := magnification_curve(result))
         is_chosen = band_is_chosen(settings, window)
         octave = {} if is_chosen else next_octave(curve)
         components["unresolved"] = {} if is_chosen else hidden_waves(window, curve, instrument, true_shapes)
-    columns |= interval_columns(
-        result, as_solved, middle, components, scatter=scatter, octave=octave, hardest=hardness[1]
-    )
+    columns |= interval_columns(result, as_solved, middle, components, scatter, octave, hardness[1])
     return xr.Dataset(columns, {"mean_pressure": ("load", load)} | _LABELS, attrs)
 
 
@@ -200,6 +193,14 @@ def _check(levelled_map: xr.DataArray, window: xr.DataArray, sources: Sequence[U
         raise HeightMapError(
             f"error_budget: {wrong}: pass the map that level returned, of which the window is a part"
         )
+
+
+def _before_correction(
+    levelled: xr.DataArray, window: xr.DataArray, arguments: Mapping[str, Any]
+) -> xr.DataArray | None:
+    """Return the window without the correction for its instrument; None without one."""
+    is_corrected = "corrected_for" in window.attrs
+    return periodic_window(levelled, **{**arguments, "correct_for": None}) if is_corrected else None
 
 
 def _columns_of_members(result: Result, scatter: Scatter) -> dict[str, tuple]:

@@ -20,8 +20,7 @@ from roughcontact.surface.window.transfer import undone
 from roughcontact.uncertainty import combination
 from roughcontact.uncertainty.combination import Component, Components, half_widths, symmetric
 from roughcontact.uncertainty.ensemble import Result
-from roughcontact.uncertainty.inputs import AMPLIFICATIONS, INPUTS, amplified, varied
-from roughcontact.uncertainty.instrument import instrument_components
+from roughcontact.uncertainty.inputs import AMPLIFICATIONS, INPUTS, amplified, instrument_components, varied
 from roughcontact.uncertainty.overview import own_place, windows_of_places
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import to_scale

@@ -52,7 +52,6 @@ def interval_columns(
     as_solved: Values,
     middle: Values,
     components: Mapping[UncertaintySource, Components],
-    *,
     scatter: Scatter | None,
     octave: Components | None,
     hardest: float = math.inf,

@@ -27,8 +27,7 @@ from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, OF_MATERIAL,
 from roughcontact.uncertainty.budget_inputs import budget_inputs
 from roughcontact.uncertainty.combination import added_up, component_from_units, half_widths, interval_bounds
 from roughcontact.uncertainty.ensemble import Values, solve_member
-from roughcontact.uncertainty.inputs import HARDNESS, effect
-from roughcontact.uncertainty.instrument import add_correction_source
+from roughcontact.uncertainty.inputs import HARDNESS, add_correction_source, effect
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP, to_scale
 
 _NODES = 6  # of Gauss and Jacobi, over the pressure
