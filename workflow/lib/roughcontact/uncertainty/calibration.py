@@ -72,7 +72,7 @@ def arms(
 
 
 def overview_arms(
-    measurand: Measurand, name: str, pixels: float, area: np.ndarray, *, sees_map: bool = True
+    measurand: Measurand, name: str, pixels: float, area: np.ndarray, sees_map: bool = True
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return by how much the changes that an overview shows count, and its arms down and up (load).
 
@@ -85,13 +85,11 @@ def overview_arms(
     x, logarithms = math.log(pixels), np.log([float(key) for key in by_pixels])
     if not by_pixels or x > logarithms[-1] + math.log(_COARSER):
         return np.zeros(1), *np.full((2, *np.shape(area)), np.inf)
-    numbers = (
-        [arm["shares"] for arm in by_pixels.values()],
-        [look_up(arm, area) for arm in by_pixels.values()],
-    )
+    numbers = [(arm["shares"], look_up(arm, area)) for arm in by_pixels.values()]
     inside = np.clip(x, *logarithms[[0, -1]])
     shares, arms_of_bank = (
-        scipy.interpolate.make_interp_spline(logarithms, values, k=1)(inside) for values in numbers
+        scipy.interpolate.make_interp_spline(logarithms, values, k=1)(inside)
+        for values in zip(*numbers, strict=True)
     )
     return shares, *arms_of_bank
 

@@ -303,7 +303,9 @@ def _row(
     `widths` are the components of both, `by_maps` its standard uncertainty by the scatter of the maps of
     groups, with its degrees of freedom, and their standard deviation; of two maps all is in the `widths`.
     """
-    half_widths = _unshared_half_widths(widths, correlation)
+    unshared = _unshared(widths, correlation)
+    half_widths = [np.sqrt(squares.sum(axis=-1)) + shifts.sum(axis=-1) for squares, shifts in unshared]
+    by_source = [np.sqrt(squares) + shifts for squares, shifts in unshared]
     if by_maps:
         error, freedom, spread = by_maps
         scatter = random_effects.student(freedom) * error
@@ -314,7 +316,6 @@ def _row(
     with np.errstate(invalid="ignore", over="ignore"):  # of closed gaps and unbounded ends, NaN below
         ratios = np.exp([difference, difference - below, difference + above])
     p_values = random_effects.p_value(difference, error, freedom)
-    by_source = _unshared_half_widths([sides[:, :, None] for sides in widths], correlation[..., None])
     return {
         **dict(zip(_RATIOS, np.where(np.isfinite(ratios), ratios, np.nan), strict=True)),
         "p_value": random_effects.adjust_over_loads(p_values),
@@ -418,9 +419,12 @@ def _correlations(deviations: Sequence[np.ndarray]) -> np.ndarray:
     return np.clip(np.nan_to_num(correlations), -1.0, 1.0)
 
 
-def _unshared_half_widths(pair: Sequence[np.ndarray], correlation: np.ndarray) -> list[np.ndarray]:
-    """Return the half-widths (load,) of a difference, down and up, from two of (load, source, component)."""
-    (a, b), widths = pair, []
+def _unshared(pair: Sequence[np.ndarray], correlation: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return squares and shifts (load, source) of a difference, down and up, from components of two results.
+
+    The components are (load, source, component).
+    """
+    (a, b), sides = pair, []
     for side, opposite in ((0, 1), (1, 0)):
         # of the first error, the side that goes along with this one, and the one that goes against it
         along = np.where(correlation >= 0, a[..., side], a[..., opposite])
@@ -430,5 +434,5 @@ def _unshared_half_widths(pair: Sequence[np.ndarray], correlation: np.ndarray) -
             squares = squares + np.where(correlation**2 < 1, independent, 0.0)
             shifts = np.maximum(b[..., 2 + side] - a[..., 2 + side], 0.0)
             shifts = shifts + np.maximum(a[..., 2 + opposite] - b[..., 2 + opposite], 0.0)
-            widths.append(np.sqrt(squares.sum(axis=-1)) + shifts.sum(axis=-1))
-    return widths
+        sides.append((squares, shifts))
+    return sides

@@ -80,17 +80,15 @@ class View(NamedTuple):
 
         `gradient` is that of the features of the map.
         """
-        transfer = self.transfers[name]
-        shares, down, up = calibration.overview_arms(
-            measurand, name, self.pixels, area, sees_map=self.sees_map
-        )
-        unknown = Transfer(*np.full((4, area.size), np.nan))
-        transfers = [transfer, *(self.transfers.get(key, unknown) for key in COUNTERPARTS.get(name, ()))]
-        change, *further = (row.joint if measurand == JOINT else row.surface for row in transfers)
-        size = expected_size(measurand, change, transfer.octave, transfer.places, gradient)
         # a counterpart is not known of layered bodies, nor where the contact is full
-        changes = change, *map(np.nan_to_num, further)
-        centre = sum(share * number for share, number in zip(shares, changes, strict=False))
+        counterparts = (self.transfers.get(key) for key in COUNTERPARTS.get(name, ()))
+        own, *others = [self.transfers[name], *counterparts]
+        kind = "joint" if measurand == JOINT else "surface"
+        change = getattr(own, kind)
+        further = (np.nan_to_num(getattr(other, kind)) if other else 0.0 * area for other in others)
+        shares, down, up = calibration.overview_arms(measurand, name, self.pixels, area, self.sees_map)
+        centre = sum(share * moved for share, moved in zip(shares, (change, *further), strict=False))
+        size = expected_size(measurand, change, own.octave, own.places, gradient)
         return np.asarray(centre), down * size, up * size
 
 

@@ -156,12 +156,12 @@ def divided(region: Slices, step: tuple[float, float], number: int, shortest: fl
         return math.prod(cut) * (1.0 if 1 in sides else min(lengths) / max(lengths)), tuple(cut)
 
     pairs = product(*(range(1, min(number, limit) + 1) for limit in limits))
-    cuts = [cut for cut in pairs if math.prod(cut) <= number]
-    rows, columns = (
-        [slice(region[axis].start + i * n // k, region[axis].start + (i + 1) * n // k) for i in range(k)]
-        for axis, n, k in zip("yx", sides, max(cuts, key=score), strict=True)
-    )
-    return [{"y": y, "x": x} for y, x in product(rows, columns)]
+    best = max((cut for cut in pairs if math.prod(cut) <= number), key=score)
+    pieces = []
+    for axis, n, k in zip("yx", sides, best, strict=True):
+        borders = [region[axis].start + i * n // k for i in range(k + 1)]
+        pieces.append(map(slice, borders[:-1], borders[1:]))
+    return [{"y": y, "x": x} for y, x in product(*pieces)]
 
 
 def sample_attributes(scatter: Scatter, height: xr.DataArray, *, aspect: float) -> dict[str, Any]:
