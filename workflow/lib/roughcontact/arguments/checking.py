@@ -153,21 +153,17 @@ def warn_of_map(shape: tuple[int, ...], rms_gradient: float, *, stacklevel: int 
 
     `stacklevel` is the distance of the caller to warn; 4 of functions that convert their arguments (`as_si`).
     """
-    ny, nx = shape
+    (ny, nx), doubts = shape, []
     if ny * nx < MIN_MAP_POINTS:
-        warnings.warn(
-            f"the map has {ny} x {nx} points: that is no rough surface, and its contact is that of "
-            f"{ny * nx} pixels; check how it was cut or read",
-            HeightMapWarning,
-            stacklevel=stacklevel,
-        )
+        contact = f"that is no rough surface, and its contact is that of {ny * nx} pixels"
+        doubts.append(f"the map has {ny} x {nx} points: {contact}; check how it was cut or read")
     if rms_gradient > MAX_GRADIENT:
-        warnings.warn(
+        doubts.append(
             f"the rms gradient of the map is {rms_gradient:.3g}, steeper than any measured surface: the "
-            "units of heights and positions differ, or one of them is wrong",
-            HeightMapWarning,
-            stacklevel=stacklevel,
+            "units of heights and positions differ, or one of them is wrong"
         )
+    for doubt in doubts:
+        warnings.warn(doubt, HeightMapWarning, stacklevel=stacklevel)
 
 
 def check_choice(key: str, value: object, choices: Any) -> None:

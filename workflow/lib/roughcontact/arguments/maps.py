@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -63,7 +64,7 @@ def height_map(
     >>> height.dims, height.shape, height["x"].values, height.values, height.attrs["units"]
     (('y', 'x'), (1, 3), array([2.50e-07, 7.50e-07, 1.25e-06]), array([[0.e+00, 4.e-08, 8.e-08]]), 'm')
     """
-    if any(hasattr(argument, "magnitude") for argument in (values, spacing)):
+    if hasattr(values, "magnitude") or hasattr(spacing, "magnitude"):
         raise SettingsError(
             "quantities of pint would lose their unit: give numbers (.magnitude) and the unit"
         )
@@ -87,41 +88,31 @@ def height_map(
         if unit_factor(stated, "m") is None:
             raise SettingsError(f"{name} = {stated!r}: {unknown_unit(stated, 'm')}", keys=[name])
     lateral, vertical = (unit_factor(stated, "m") or 1.0 for stated in units.values())
-    steps = pitches(spacing)
-    dy, dx = (
-        step if carries_unit(stated_step) else step * lateral
-        for stated_step, step in zip(np.broadcast_to(np.asarray(spacing, object), 2), steps, strict=True)
-    )
-    if not (0 < dy < np.inf and 0 < dx < np.inf):
-        raise SettingsError(f"spacing = {spacing!r}: give positive numbers", keys=["spacing"])
+    dy, dx = pitches(spacing, lateral)
     heights = heights.astype(float, copy=False)
     heights = heights if vertical == 1 else heights * vertical  # a large map is not copied
     ny, nx = heights.shape
     missing = int(np.isnan(heights).sum())
-    record = Measurement(
-        channel=channel,
-        channels=[channel],
-        instrument=instrument or {},
-        missing_points=missing,
-        missing_share=missing / heights.size,
-    )
+    points: dict[str, Any] = {"missing_points": missing, "missing_share": missing / heights.size}
+    record = Measurement(channel=channel, channels=[channel], instrument=instrument or {}, **points)
     # cell centres: the border of the map is half a pixel before
     y = xr.Variable("y", (np.arange(ny) + 0.5) * dy, {"units": "m"})
     x = xr.Variable("x", (np.arange(nx) + 0.5) * dx, {"units": "m"})
     if unit in (None, "") and not any(map(carries_unit, np.ravel(spacing))):
         warn_of_metres((y.values, x.values), heights, stacklevel=3)
-    return xr.DataArray(
-        heights, dims=("y", "x"), coords={"y": y, "x": x}, name="height", attrs=record.attributes()
-    )
+    return xr.DataArray(heights, {"y": y, "x": x}, ("y", "x"), "height", record.attributes())
 
 
-def pitches(spacing: float | str | Sequence[float | str]) -> tuple[float, float]:
-    """Return the pitches (dy, dx) of both axes, from one for both or from two; text with a unit in m."""
+def pitches(spacing: float | str | Sequence[float | str], factor: float = 1.0) -> tuple[float, float]:
+    """Return the pitches (dy, dx; m) from one for both axes or from two; a number alone times a factor."""
     try:
         steps = np.broadcast_to(np.asarray(spacing, dtype=object), 2)
         if any(isinstance(step, bool) for step in steps):
             raise TypeError("a truth value is no length")
-        dy, dx = (float(convert_quantity("m", "spacing", step)) for step in steps)
+        dy, dx = (
+            convert_quantity("m", "spacing", step) if carries_unit(step) else float(step) * factor
+            for step in steps
+        )
     except SettingsError:
         raise
     except (TypeError, ValueError) as error:
@@ -130,6 +121,8 @@ def pitches(spacing: float | str | Sequence[float | str]) -> tuple[float, float]
             "or both pitches (dy, dx)",
             keys=["spacing"],
         ) from error
+    if not (0 < dy < np.inf and 0 < dx < np.inf):
+        raise SettingsError(f"spacing = {spacing!r}: give positive numbers", keys=["spacing"])
     return dy, dx
 
 

@@ -44,10 +44,11 @@ class Doubt(NamedTuple):
 
     reason: str
     candidates: tuple[float, ...]
+    unit: str = "Pa"
 
     def question(self) -> str:
         """Return the doubt as the second half of a sentence."""
-        likely = " or ".join(quantity(value, "Pa") for value in self.candidates[:2])
+        likely = " or ".join(quantity(value, self.unit) for value in self.candidates[:2])
         return f"{self.reason}; did you mean {likely}?" if likely else f"{self.reason}."
 
 
@@ -71,9 +72,9 @@ def doubt_of_modulus(modulus: float) -> Doubt | None:
     if modulus < SOFTEST:
         # as if GPa or MPa were taken for Pa
         reason = f"is softer than any gel ({quantity(SOFTEST, 'Pa')})"
-        return _doubt(modulus, reason, (_GIGA, _MEGA), SOFTEST, STIFFEST)
+        return doubt_about(modulus, reason, (_GIGA, _MEGA), SOFTEST, STIFFEST)
     if modulus > STIFFEST:
-        return _doubt(modulus, "is stiffer than diamond", (1 / _KILO, 1 / _MEGA), GEL, STIFFEST)
+        return doubt_about(modulus, "is stiffer than diamond", (1 / _KILO, 1 / _MEGA), GEL, STIFFEST)
     return None
 
 
@@ -91,7 +92,7 @@ def doubt_of_gel(modulus: float, pressures: Sequence[float]) -> Doubt | None:
     if not SOFTEST <= modulus < GEL or highest <= modulus:
         return None
     reason = f"is as soft as a gel, which does not bear {quantity(highest, 'Pa')}"
-    return _doubt(modulus, reason, (_MEGA, _KILO), max(GEL, highest / MAX_HARDNESS), STIFFEST)
+    return doubt_about(modulus, reason, (_MEGA, _KILO), max(GEL, highest / MAX_HARDNESS), STIFFEST)
 
 
 def doubt_of_body(youngs_modulus: float, poissons_ratio: float) -> Doubt | None:
@@ -100,7 +101,7 @@ def doubt_of_body(youngs_modulus: float, poissons_ratio: float) -> Doubt | None:
         return None  # it stands for no material
     if SOFTEST <= youngs_modulus < GEL and poissons_ratio < GEL_POISSONS_RATIO:
         reason = f"is as soft as a gel, which has a Poisson's ratio near 0.5, not {poissons_ratio:g}"
-        return _doubt(youngs_modulus, reason, (_GIGA, _MEGA), GEL, STIFFEST)
+        return doubt_about(youngs_modulus, reason, (_GIGA, _MEGA), GEL, STIFFEST)
     return doubt_of_modulus(youngs_modulus)
 
 
@@ -132,7 +133,7 @@ def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
         factors = (_MEGA, _KILO)
     else:
         return None
-    return _doubt(mean_pressure, reason, factors, lightest, MAX_HARDNESS * contact_modulus)
+    return doubt_about(mean_pressure, reason, factors, lightest, MAX_HARDNESS * contact_modulus)
 
 
 def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
@@ -146,14 +147,17 @@ def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
     lowest, highest = MIN_HARDNESS * modulus, MAX_HARDNESS * modulus
     if hardness < lowest:
         reason = f"is {number(hardness / modulus, digits=2)} of the modulus, softer than lead"
-        return _doubt(hardness, reason, (_GIGA, _MEGA), lowest, highest)
+        return doubt_about(hardness, reason, (_GIGA, _MEGA), lowest, highest)
     # the modulus is no upper limit: it may be that of the other body
     if hardness > MAX_HARDNESS * STIFFEST:
-        return _doubt(hardness, "is harder than diamond", (1 / _KILO, 1 / _MEGA), lowest, highest)
+        return doubt_about(hardness, "is harder than diamond", (1 / _KILO, 1 / _MEGA), lowest, highest)
     return None
 
 
-def _doubt(value: float, reason: str, factors: Sequence[float], lower: float, upper: float) -> Doubt:
-    """Return a doubt about a value (Pa), with what it is in other units as far as that is within limits."""
+def doubt_about(
+    value: float, reason: str, factors: Sequence[float], lower: float, upper: float, unit: str = "Pa"
+) -> Doubt:
+    """Return a doubt about a value, with what it is in other units as far as that is within limits."""
     candidates = (value * factor for factor in factors)
-    return Doubt(f"{quantity(value, 'Pa')} {reason}", tuple(x for x in candidates if lower <= x <= upper))
+    likely = tuple(candidate for candidate in candidates if lower <= candidate <= upper)
+    return Doubt(f"{quantity(value, unit)} {reason}", likely, unit)

@@ -82,15 +82,10 @@ class Range(Spelling):
             return convert_to_base_unit(value, self.base)
         # slips of unit: GPa, MPa, kPa where it is too low, mm, µm, nm where it is too high
         factors = self.likely_factors if limit == self.lowest else (1e-3, 1e-6, 1e-9)
-        likely = [
-            number * factor for factor in factors if max(self.lowest, 0) < number * factor <= self.highest
-        ]
         unit = printed(self.base)
-        question = "; did you mean " + " or ".join(quantity(factor, unit) for factor in likely[:2]) + "?"
-        raise ValueError(
-            f"{quantity(number, unit)} is {reason} ({quantity(limit, unit)})"
-            f"{question if likely else '.'} {_BARE_NUMBER_RULE.format(unit=unit)}"
-        )
+        reason = f"is {reason} ({quantity(limit, unit)})"
+        doubt = materials.doubt_about(number, reason, factors, max(self.lowest, 0), self.highest, unit)
+        raise ValueError(f"{doubt.question()} {_BARE_NUMBER_RULE.format(unit=unit)}")
 
     def widen(self, schema: JsonSchemaValue) -> JsonSchemaValue:
         """Admit a text, the number with its unit, beside the number."""
