@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 from roughcontact.arguments import measurement
+from roughcontact.arguments.maps import height_map
 from roughcontact.io.read import read_height_map
 from roughcontact.results.storage import read_dataset, write_dataset
 from roughcontact.surface.levelling.level import level
@@ -59,14 +60,11 @@ def test_every_kind_of_value_is_restored(value):
     }
 
 
-def test_a_record_of_a_measurement_is_that_of_its_attributes(window):
-    record = measurement.Measurement.read(window.attrs)
-    assert (record.source_file, record.missing_points, record.first_row) == ("map.npy", 0, "bottom")
-    assert measurement.Measurement.read(record.attributes()) == record
-    assert record.attributes().items() <= window.attrs.items()
-    array = measurement.Measurement(channel="height", channels=("height",))
-    assert "first_row" not in array.attributes()
-    assert measurement.Measurement.read(array.attributes()) == array
+def test_a_map_that_was_read_records_more_than_one_of_an_array(window):
+    attrs, array = window.attrs, height_map([[0.0, 1e-9]], 1e-6).attrs
+    assert (attrs["source_file"], attrs["missing_points"], attrs["first_row"]) == ("map.npy", 0, "bottom")
+    assert array.keys() < attrs.keys() - {"first_row"}
+    assert measurement.json_attribute({"ingest_warnings": '{"a": 1}'}, "ingest_warnings") == []
 
 
 def test_what_is_stated_of_an_instrument_is_one_record(window):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from roughcontact import HeightMapError, SettingsError, height_map, level
-from roughcontact.arguments.measurement import Measurement
+from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.rectangles import Rectangle, parse_rectangles
 from roughcontact.statistics.map_checks import reading
 from roughcontact.statistics.outcome import noted
@@ -54,7 +54,7 @@ def test_what_was_done_is_a_note_of_the_results(rough):
     attrs = used_region(rough, crop="10 20 40 50 um", mask="0 0 50 2 um").attrs
     text = "cropped to 30.0 µm × 30.0 µm of 50.0 µm × 60.0 µm (crop = 10 20 40 50 um)"
     masked = "1 rectangle masked (mask = 0 0 50 2 um), 3.33 % of the points of 50.0 µm × 60.0 µm"
-    assert Measurement.read(attrs).facts == (f"{masked}: they count as not measured", text)
+    assert json_attribute(attrs, "ingest_facts") == [f"{masked}: they count as not measured", text]
     check = reading(attrs, {})
     assert check.outcome == noted("").outcome
     assert "Cropped to 30.0 µm" in check.finding

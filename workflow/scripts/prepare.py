@@ -8,7 +8,7 @@ from _other_maps import part_of_place, with_repeats
 from _overviews import write_overviews
 from _window import write_window
 
-from roughcontact.arguments.measurement import Measurement
+from roughcontact.arguments.measurement import json_attribute
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
 from roughcontact.results.storage import read_dataset
@@ -36,9 +36,9 @@ try:
         height = part_of_place(height, name, maps_of_place)
 except RoughContactError as error:
     raise type(error)(f"{error} ({row['origin']})") from error
-reading = Measurement.read(height.attrs)
-for text in reading.warnings:
-    say(f"note: {text}") if text in reading.facts else warn(text)
+facts = json_attribute(height.attrs, "ingest_facts")
+for text in json_attribute(height.attrs, "ingest_warnings"):
+    say(f"note: {text}") if text in facts else warn(text)
 save(height, output.height, settings["height"], source=height.attrs)
 del height  # large maps leave no room for two
 measured = read_dataset(output.height)["height"]

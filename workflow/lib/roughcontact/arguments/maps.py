@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from roughcontact.arguments.measurement import Measurement
+from roughcontact.arguments.measurement import attributes_of_record
 from roughcontact.arguments.si import convert_quantity, unit_of, warn_of_metres
 from roughcontact.arguments.units import carries_unit, unit_factor, unknown_unit
 from roughcontact.errors import HeightMapError, SettingsError
@@ -93,14 +93,15 @@ def height_map(
     heights = heights if vertical == 1 else heights * vertical  # a large map is not copied
     ny, nx = heights.shape
     missing = int(np.isnan(heights).sum())
-    points: dict[str, Any] = {"missing_points": missing, "missing_share": missing / heights.size}
-    record = Measurement(channel=channel, channels=[channel], instrument=instrument or {}, **points)
+    record: dict[str, Any] = {"units": "m", "source_file": "", "source_sha256": "", "source_format": "array"}
+    record |= {"channel": channel, "channels": [channel], "instrument": instrument or {}}
+    record |= {"missing_points": missing, "missing_share": missing / heights.size, "ingest_warnings": []}
     # cell centres: the border of the map is half a pixel before
     y = xr.Variable("y", (np.arange(ny) + 0.5) * dy, {"units": "m"})
     x = xr.Variable("x", (np.arange(nx) + 0.5) * dx, {"units": "m"})
     if unit in (None, "") and not any(map(carries_unit, np.ravel(spacing))):
         warn_of_metres((y.values, x.values), heights, stacklevel=3)
-    return xr.DataArray(heights, {"y": y, "x": x}, ("y", "x"), "height", record.attributes())
+    return xr.DataArray(heights, {"y": y, "x": x}, ("y", "x"), "height", attributes_of_record(record))
 
 
 def pitches(spacing: float | str | Sequence[float | str], factor: float = 1.0) -> tuple[float, float]:

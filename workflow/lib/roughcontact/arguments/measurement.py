@@ -7,8 +7,8 @@ one attribute, a JSON object, since a list of a hundred attributes is read by no
 
 import json
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 # attributes whose text is JSON, and the kind of their content: of a map, then of statistics, of one surface
@@ -42,63 +42,6 @@ _CONCEPTS = {
         "ensemble": "profile_.*|profiles_along|pitch_along|stretch",
     }.items()
 }
-
-
-@dataclass(frozen=True)
-class Measurement:
-    """How a map was measured and read, from the attributes of `read_height_map`.
-
-    `instrument` are the metadata of the file (`roughcontact.io.metadata`), `warnings` what was found when it
-    was read, of which `facts` need no look, `spikes` findings that the check of the outliers judges.
-
-    Examples
-    --------
-    >>> measurement = Measurement.read({"ingest_warnings": '["steep"]', "missing_points": 3})
-    >>> measurement.warnings, measurement.missing_points, measurement.instrument
-    (('steep',), 3, {})
-    """
-
-    source_file: str = ""
-    source_sha256: str = ""
-    source_format: str = "array"
-    channel: str = ""
-    channels: Sequence[str] = ()
-    instrument: Mapping[str, Any] = field(default_factory=dict)
-    first_row: str = ""
-    first_row_assumed: bool = False
-    missing_points: int = 0
-    missing_share: float = 0.0
-    warnings: Sequence[str] = ()
-    facts: Sequence[str] = ()
-    spikes: Mapping[str, str] = field(default_factory=dict)
-    sources: Mapping[str, Any] = field(default_factory=dict)
-
-    @classmethod
-    def read(cls, attrs: Mapping[Any, Any]) -> "Measurement":
-        """Return the record of a map from its attributes; what they do not state has its default."""
-        values: dict[str, Any] = {}
-        for name in (entry.name for entry in fields(cls)):
-            key = _INGEST.get(name, name)
-            if key in _STRUCTURED:
-                content = json_attribute(attrs, key)
-                values[name] = tuple(content) if isinstance(content, list) else content
-            elif key in attrs:
-                values[name] = attrs[key]
-        return cls(**values)
-
-    def attributes(self) -> dict[str, Any]:
-        """Return the attributes of a map with this record."""
-        values = {_INGEST.get(name, name): value for name, value in asdict(self).items()}
-        record = {"units": "m", **values, "y_axis": "up", "first_row_assumed": int(self.first_row_assumed)}
-        if not self.first_row:  # an array, which no reader has turned
-            omitted = ("y_axis", "first_row", "first_row_assumed", *_INGEST.values())
-            record = {key: value for key, value in record.items() if key not in omitted}
-            record["ingest_warnings"] = self.warnings
-        return record | json_attributes({key: record[key] for key in record if key in _STRUCTURED})
-
-
-# fields of a record whose attributes have longer names
-_INGEST = {name: f"ingest_{name}" for name in ("warnings", "facts", "spikes", "sources")}
 
 
 @dataclass(frozen=True)
@@ -165,6 +108,17 @@ def json_attributes(contents: Mapping[str, Any]) -> dict[str, str]:
     }
 
 
+def attributes_of_record(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is recorded of a map as its attributes, lists and mappings of it as JSON.
+
+    Examples
+    --------
+    >>> attributes_of_record({"channels": ["height"], "missing_points": 3})
+    {'channels': '["height"]', 'missing_points': 3}
+    """
+    return {**record, **json_attributes({key: record[key] for key in record if key in _STRUCTURED})}
+
+
 def add_remark(attrs: Mapping[Any, Any], remark: str, *, fact: bool) -> dict[str, str]:
     """Return the attributes of a map with a further warning of its reading, which may be a plain `fact`."""
     names = ("ingest_warnings", "ingest_facts") if fact else ("ingest_warnings",)
@@ -205,11 +159,7 @@ def map_attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
     result: dict[str, Any] = {}
     for name, value in attrs.items():
         content = _parsed(value) if name in _CONCEPTS else None
-        if content is None:
-            result[name] = value
-        else:
-            texts = json_attributes({key: content[key] for key in content if key in _STRUCTURED})
-            result |= content | texts
+        result |= {name: value} if content is None else attributes_of_record(content)
     return result
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from roughcontact.arguments.measurement import Instrument, Measurement
+from roughcontact.arguments.measurement import Instrument, attributes_of_record
 from roughcontact.errors import InputFileError
 from roughcontact.io.conversion import convert
 from roughcontact.io.guards import naming, sha256, unchanged
@@ -163,28 +163,16 @@ def _read(path: Path, request: Request) -> "xr.DataArray":
     spikes = {str(doubt): doubt.finding for doubt in doubts if doubt.kind == "spikes"}
     x, y = result.centres()
     missing = int(np.isnan(result.heights).sum())
-    return xr.DataArray(
-        result.heights,
-        dims=("y", "x"),
-        coords={"x": ("x", x, {"units": "m"}), "y": ("y", y, {"units": "m"})},
-        name="height",
-        attrs=Measurement(
-            source_file=path.name,
-            source_sha256=digest,
-            source_format=file.format,
-            channel=result.channel.name,
-            channels=[channel.name for channel in file.channels],
-            instrument=dict(sorted(file.instrument.items())),
-            first_row=result.first_row,
-            first_row_assumed=result.first_row_assumed,
-            missing_points=missing,
-            missing_share=missing / result.heights.size,
-            warnings=notes,
-            sources=result.sources,
-            facts=facts,
-            spikes=spikes,
-        ).attributes(),
-    )
+    source = {"source_file": path.name, "source_sha256": digest, "source_format": file.format}
+    channels = {"channel": result.channel.name, "channels": [channel.name for channel in file.channels]}
+    instrument_record = {"instrument": dict(sorted(file.instrument.items()))}
+    rows = {"first_row": result.first_row, "first_row_assumed": int(result.first_row_assumed)}
+    points = {"missing_points": missing, "missing_share": missing / result.heights.size}
+    findings = {"ingest_warnings": notes, "ingest_facts": facts, "ingest_spikes": spikes}
+    record = {"units": "m", **source, **channels, **instrument_record, **rows, **points, **findings}
+    record |= {"ingest_sources": result.sources, "y_axis": "up"}
+    coordinates = {"x": ("x", x, {"units": "m"}), "y": ("y", y, {"units": "m"})}
+    return xr.DataArray(result.heights, coordinates, ("y", "x"), "height", attributes_of_record(record))
 
 
 def _together(path: Path, request: Request, instrument: Mapping[str, float] | None) -> "xr.DataArray":

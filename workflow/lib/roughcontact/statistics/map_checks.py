@@ -11,7 +11,7 @@ import numpy as np
 from roughcontact.arguments.checking import MAX_GRADIENT
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.lays import lay_facts
-from roughcontact.arguments.measurement import Measurement, json_attribute
+from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
 from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
 from roughcontact.statistics.selected_loads import Statistics
@@ -375,12 +375,11 @@ def steep_places(window: Attributes) -> Check:
 
 def reading(height: Attributes, attrs: Attributes) -> Check:
     """Check that the file was read without a warning; what the user asked for is a note."""
-    measurement = Measurement.read(height)
-    warnings, facts = measurement.warnings, {*measurement.facts}
+    warnings, facts = json_attribute(height, "ingest_warnings"), {*json_attribute(height, "ingest_facts")}
     if not warnings:
         return passed("Read without a warning.")
     findings = dict(zip(warnings, warnings, strict=True))
-    spikes = measurement.spikes if attrs.get("outlier_threshold") else {}
+    spikes = json_attribute(height, "ingest_spikes") if attrs.get("outlier_threshold") else {}
     # the same sentences, with what levelling did about them
     findings.update(spikes)  # the check of the outliers judges them
     if spikes:

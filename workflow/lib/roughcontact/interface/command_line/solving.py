@@ -10,7 +10,7 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.arguments.answers import ANSWERS
-from roughcontact.arguments.measurement import Measurement, json_attribute
+from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.settings.stages import stage_settings
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.errors import HeightMapError, RoughContactError, path_message
@@ -125,7 +125,7 @@ def solve_file(
         "verdict": VERDICTS[worst_result(outcome)],
         "verdicts": {answer.words: VERDICTS[worst_result(outcome, name)] for name, answer in ANSWERS.items()},
         **{name: statistics.attrs.get(name, "") for name in ("halve", "halved", "places", "overview")},
-        "warnings": [*Measurement.read(height.attrs).warnings],
+        "warnings": json_attribute(height.attrs, "ingest_warnings"),
         "settings": {key: settings[key] for key in stage_settings(settings, "statistics")},
     }
     return result, statistics

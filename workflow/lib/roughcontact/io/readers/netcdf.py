@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact.arguments.measurement import Measurement, map_attributes
+from roughcontact.arguments.measurement import json_attribute, map_attributes
 from roughcontact.errors import InputFileError
 from roughcontact.io import classic, hdf5
 from roughcontact.io.channels import (
@@ -81,7 +81,7 @@ def _instrument(dataset: Any) -> dict[str, Any]:
     """Return the instrument metadata that this project wrote, otherwise those in the file attributes."""
     with suppress(KeyError, TypeError, ValueError, RecursionError):
         attrs = map_attributes(dataset["height"].attrs)
-        return dict(Measurement.read({"instrument": attrs["instrument"]}).instrument)
+        return json_attribute({"instrument": attrs["instrument"]}, "instrument")
     return instrument_metadata({}, dataset.attrs)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.measurement import Instrument, Measurement, json_attribute, json_attributes
+from roughcontact.arguments.measurement import Instrument, json_attribute, json_attributes
 from roughcontact.arguments.si import as_si
 from roughcontact.errors import HeightMapError
 from roughcontact.surface.faces.face import Face
@@ -153,14 +153,14 @@ def _attributes(lower: Face, upper: Face, on_filled: np.ndarray) -> dict:
     warnings, facts, spikes = list[str](), list[str](), dict[str, str]()
     for face in (lower, upper):
         attrs, name = face.height.attrs, face.name
-        reading = Measurement.read(attrs)
         kinds.update(json_attribute(attrs, "outlier_kinds"))
-        warnings += [f"{name}: {warning}" for warning in reading.warnings]
+        warnings += [f"{name}: {warning}" for warning in json_attribute(attrs, "ingest_warnings")]
         if attrs.get("first_row_assumed"):  # the face may be mirrored
             where = f"the {attrs['first_row']} of the picture"
             warnings.append(f"{name}: the first row is taken as {where}; if it is not, give first_row")
-        facts += [f"{name}: {fact}" for fact in reading.facts]
-        spikes |= {f"{name}: {spike}": f"{name}: {text}" for spike, text in reading.spikes.items()}
+        facts += [f"{name}: {fact}" for fact in json_attribute(attrs, "ingest_facts")]
+        found = json_attribute(attrs, "ingest_spikes")
+        spikes |= {f"{name}: {spike}": f"{name}: {text}" for spike, text in found.items()}
     attrs_of_faces = lower_attrs, upper_attrs
     # the sum has the rows of the worse face
     with_jitter = max(attrs_of_faces, key=lambda attrs: attrs.get("row_jitter", 0.0))
