@@ -90,9 +90,11 @@ def json_attribute(attrs: Mapping[Any, Any], name: str) -> Any:
     --------
     >>> json_attribute({"outlier_kinds": '{"spike": 29}'}, "outlier_kinds"), json_attribute({}, "channels")
     ({'spike': 29}, [])
+    >>> json_attribute({"verdicts": '[["use", []]]'}, "verdicts")  # of one surface; of several an object
+    [['use', []]]
     """
-    content, kind = json.loads(attrs.get(name) or "null"), _STRUCTURED[name]
-    return content if isinstance(content, kind) else kind()  # of another program
+    content = json.loads(attrs.get(name) or "null")
+    return content if isinstance(content, dict | list) else _STRUCTURED[name]()
 
 
 def json_attributes(contents: Mapping[str, Any]) -> dict[str, str]:
