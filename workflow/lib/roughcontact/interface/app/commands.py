@@ -12,7 +12,7 @@ from typing import Any
 
 from roughcontact.arguments.settings.stages import origin_id
 from roughcontact.errors import InputFileError, SettingsError
-from roughcontact.interface.app import measurements
+from roughcontact.interface.app.measurements import READING
 from roughcontact.interface.app.study import check_within_study
 from roughcontact.interface.command_line.saving import EXPORTS
 from roughcontact.report.summary import Summary, read_summary
@@ -34,7 +34,7 @@ class Run:
 
     def start(self) -> None:
         """Start the command, unless it is at work."""
-        if self.running():
+        if self.state()["running"]:
             return
         check_within_study(RESULTS, _SCREEN.parent, Path(".snakemake"))
         _SCREEN.parent.mkdir(exist_ok=True)
@@ -44,21 +44,18 @@ class Run:
             self.process = Popen([*_PROGRAM, "run"], env=env, stdin=DEVNULL, stdout=screen, stderr=STDOUT)
 
     def cancel(self) -> None:
-        """Terminate the command, which ends its jobs, and wait for its end; what is finished stays."""
-        if self.process and self.running():
+        """Terminate the command, if any: it ends its jobs, and wait for its end; what is finished stays."""
+        if self.process:
             self.process.terminate()
             self.process.wait()
-
-    def running(self) -> bool:
-        """Return whether the command is at work."""
-        return self.process is not None and self.process.poll() is None
 
     def state(self) -> dict[str, Any]:
         """Return how the run stands, the lines of its screen, and the last one with the time left."""
         code = self.process.poll() if self.process else None
         written = _SCREEN.read_bytes().decode(errors="replace") if _SCREEN.is_file() else ""
         *lines, bar = [line.rpartition(ERASE)[2] for line in written.split("\n")]
-        return {"running": self.running(), "code": code, "lines": lines, "bar": bar}
+        is_running = self.process is not None and code is None
+        return {"running": is_running, "code": code, "lines": lines, "bar": bar}
 
 
 def panels(plan: Plan | None) -> dict[str, Path]:
@@ -68,27 +65,26 @@ def panels(plan: Plan | None) -> dict[str, Path]:
 
 
 def results(plan: Plan | None) -> dict[str, tuple[Mapping[str, Any], bool]]:
-    """Return the summary of each result, and whether it is of the settings and measured files of the plan."""
-    values = {}
+    """Return the summary of each result, and whether it is of the settings and measured files of the plan.
+
+    Of a damaged one, or of another version, what is wrong is the answer.
+    """
+    values: dict[str, tuple[Mapping[str, Any], bool]] = {}
     for name, panel in panels(plan).items():
+        summary: Mapping[str, Any]
+        try:
+            summary = read_summary(panel)
+        except InputFileError as error:
+            summary = dict.fromkeys(Summary.__annotations__, "") | {"answer": str(error)}
         origin = _origin(panel.with_name("statistics.nc"), panel.stat().st_mtime_ns)
-        is_current = plan is not None and plan.origin("statistics", name, checksum) == origin
-        values[name] = _summary(panel), is_current
+        values[name] = summary, plan is not None and plan.origin("statistics", name, checksum) == origin
     return values
-
-
-def _summary(panel: Path) -> Mapping[str, Any]:
-    """Return the summary of a result, of a damaged one, or of another version, what is wrong as answer."""
-    try:
-        return read_summary(panel)
-    except InputFileError as error:
-        return dict.fromkeys(Summary.__annotations__, "") | {"answer": str(error)}
 
 
 @cache
 def _origin(path: Path, _: int) -> str:
     """Return the origin of a result of a given age; empty where it cannot be read."""
-    with suppress(OSError, ValueError), measurements.READING:
+    with suppress(OSError, ValueError), READING:
         attrs = read_attributes(path)
         return origin_id(str(attrs.get("settings")), str(attrs.get("source_sha256")))
     return ""

@@ -4,9 +4,7 @@ import base64
 import hashlib
 import os
 import re
-import secrets
-import shlex
-from collections.abc import AsyncIterable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import lru_cache
 from itertools import chain, count
@@ -18,29 +16,24 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.quantities import percent, quantity
 from roughcontact.errors import SettingsError
 from roughcontact.interface.app.study import Row, check_within_study, error_in_words
 from roughcontact.interface.command_line.describe import field_in_words, inspection, points_in_words
 from roughcontact.interface.command_line.project import collect_files, rows_of
-from roughcontact.io.guards import naming, sha256
+from roughcontact.io.guards import naming
 from roughcontact.io.inspection import inspect_heights
 from roughcontact.io.read import read_height_map
 from roughcontact.io.request import FILE_OPTIONS, Request
 from roughcontact.report.colours import coloured
+from roughcontact.results.storage import atomic_write
 from roughcontact.study.places import find_file
-from roughcontact.study.table.text import table_text
 
 MEASURED = Path("measured")  # where dropped files go
-OPTIONS = {name.replace("-", "_"): name for name in FILE_OPTIONS}
+OPTIONS = [name.replace("-", "_") for name in FILE_OPTIONS]
 READING = Lock()  # the libraries of netCDF and HDF5 are not for two threads
-UNREAD: dict[str, Any] = {
-    **dict.fromkeys(("key", "line", "sha256", "command", "picture", "channel"), ""),
-    **{key: [] for key in ("channels", "warnings", "columns")},
-    "text": "is read ...",
-    "map": None,
-}
+UNREAD: dict[str, Any] = dict.fromkeys(("key", "line", "sha256", "picture", "channel", "map"), "")
+UNREAD |= {"channels": [], "warnings": [], "columns": [], "text": "is read ..."}
 # where a terminal states what is missing; the page has a field for it beside the sentence
 _PLACE = re.compile(r" \(table of surfaces or arguments?\)| in the table of surfaces or as (an )?arguments?")
 _THUMBNAIL = 64  # points along a side, at most
@@ -77,28 +70,27 @@ def _key(row: Row) -> str:
 def inspect(row: Row) -> dict[str, Any]:
     """Return what `inspect` says of a file, in a line and in full, its picture, columns that it needs."""
     path, entries = row.get("path", ""), _entries(row)
-    options = [word for column, text in entries.items() for word in (f"--{OPTIONS[column]}", text)]
     result = UNREAD | {"key": _key(row), "row": row}
-    result["command"] = shlex.join(["roughcontact", "inspect", path, *options])
     try:
         with READING, naming(Path(path)):
-            content, values = inspect_heights(Path(path), Request(**entries))
-            result |= content
-            result["text"], result["line"] = inspection(result, path), result["problem"] or ""
-            needed = result["needed"]
-            if values is not None:
-                held = content["map"]
-                heights = quantity(held["highest"] - held["lowest"], "m")
-                result["line"] = f"{points_in_words(held)}, {field_in_words(held)}, heights over {heights}"
+            content, heights = inspect_heights(Path(path), Request(**entries))
+            result |= content | {"text": inspection(content, path), "line": content["problem"] or ""}
+            needed = [*content["needed"]]
+            if heights is not None:
+                held, (rows, columns) = (
+                    content["map"],
+                    (ceil(points / _THUMBNAIL) for points in heights.shape),
+                )
+                result["picture"] = _picture(heights[::rows, ::columns])
+                span = quantity(held["highest"] - held["lowest"], "m")
+                result["line"] = f"{points_in_words(held)}, {field_in_words(held)}, heights over {span}"
                 if held["missing_points"]:
                     result["line"] += f", {percent(held['missing_share'])} not measured"
-                rows, columns = (ceil(points / _THUMBNAIL) for points in values.shape)
-                result["picture"] = _picture(values[::rows, ::columns])
                 # where the unit of all may not be that of the heights
-                needed = [*needed, *["height_unit"] * bool(result["warnings"] and "unit" in entries)]
+                needed += ["height_unit"] * bool(content["warnings"] and "unit" in entries)
     except Exception as error:  # a reader may raise anything
         result["text"] = result["line"] = error_in_words(error)
-        needed = getattr(error, "keys", ())
+        needed = [*getattr(error, "keys", ())]
     result["line"] = _PLACE.sub("", result["line"])
     return result | {"columns": [column for column in OPTIONS if column in needed]}
 
@@ -129,61 +121,48 @@ def whole(row: Row) -> bytes:
 
 
 def cut(row: Row, line: str) -> dict[str, str]:
-    """Return in words what a map holds along a line, and the points of its curve, in percent upwards.
+    """Return in words what a map holds along a line, and the points of its curve, in percent downwards.
 
     `line` has x and y of both ends, µm from the lower left corner, between commas.
     """
     height = _height_map(_key(row), row["path"], **_entries(row))
     start, end = np.reshape([1e-6 * float(word) for word in line.split(",")], (2, 2))
-    (dy, dx), (ny, nx) = spacing(height), height.shape
-    columns, rows = np.clip(np.linspace(start, end, _CUT) / (dx, dy), 0, (nx - 1, ny - 1)).astype(int).T
-    values = height.values[rows, columns]
-    measured = values[np.isfinite(values)]
-    if (length := float(np.hypot(*(end - start)))) > 0:
-        words = f"{quantity(length, 'm')} along the line, heights over "
+    x, y = (xr.DataArray(np.linspace(*ends, _CUT), dims="point") for ends in zip(start, end, strict=True))
+    along = height.sel(x=x, y=y, method="nearest")
+    lowest, span, length = along.min(), float(along.max() - along.min()), float(np.hypot(*(end - start)))
+    if length > 0:
+        words, told = f"{quantity(length, 'm')} along the line, heights over ", span
     else:
         words = f"x {quantity(start[0], 'm')}, y {quantity(start[1], 'm')}: "
-    if not measured.size:
+        told = float(lowest - height.mean())
+    if not np.isfinite(span):
         return {"words": f"{words}not measured", "curve": ""}
-    span = np.ptp(measured)
-    levels = 95 - 90 * (values - measured.min()) / (span or 1.0)
-    points = [f"{n},{level:.1f}" for n, level in enumerate(levels) if np.isfinite(level)]
-    words += quantity(span if length else measured[0] - np.nanmean(height.values), "m")
-    return {"words": words, "curve": " ".join(points) if length else ""}
+    levels = 95 - 90 * (along - lowest) / (span or 1.0)
+    points = [f"{n},{level:.1f}" for n, level in enumerate(levels.values) if np.isfinite(level)]
+    return {"words": f"{words}{quantity(told, 'm')}", "curve": " ".join(points) if length else ""}
 
 
 def further(paths: Sequence[str], rows: Sequence[Row]) -> tuple[list[Row], str]:
     """Return rows of files that have none yet, of folders of the measurements in them, and what was done."""
-    if missing := [path for path in paths if not Path(path).exists()]:
-        raise SettingsError(f"{missing[0]}: no such file or folder")
     files, omissions = collect_files(paths)
     present = {row.get("path") for row in rows}
     new = rows_of([file for file in files if file not in present], present=rows)
-    table_text(new)  # names that no table holds no page does
     known = f", {len(files) - len(new)} there already" if len(files) > len(new) else ""
     left_out = f"; left out, as no measurements: {', '.join(omissions)}" if omissions else ""
     return new, f"{len(new)} added{known}{left_out}"
 
 
-async def save_upload(name: str, content: AsyncIterable[bytes]) -> str:
+def save_upload(name: str, content: bytes) -> str:
     """Write a file that was dropped, unless it is there, and return its path; namesakes have numbers."""
     path = MEASURED / PurePosixPath(name.replace("\\", "/")).name
     if "\0" in name or path in (MEASURED, MEASURED / ".."):
         raise SettingsError(f"{name!r} names no file: rename it")
     check_within_study(path)
-    MEASURED.mkdir(exist_ok=True)
-    partial = MEASURED / f".{secrets.token_hex(8)}.partial"
-    try:
-        with partial.open("xb") as file:
-            async for chunk in content:
-                file.write(chunk)
-        names = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
-        for target in chain([path], names):
-            if not os.path.lexists(target):
-                partial.rename(target)
-                break
-            if target.is_file() and sha256(target) == sha256(partial):
-                break
-    finally:
-        partial.unlink(missing_ok=True)
+    for target in chain([path], (path.with_stem(f"{path.stem}-{number}") for number in count(2))):
+        if target.is_file() and target.read_bytes() == content:
+            break
+        if not os.path.lexists(target):
+            with atomic_write(target, size=len(content)) as partial:
+                partial.write_bytes(content)
+            break
     return str(target)

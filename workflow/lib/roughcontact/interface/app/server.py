@@ -2,20 +2,19 @@
 
 import asyncio
 import os
-import secrets
 import signal
 import socket
 import sys
 import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
+from secrets import compare_digest, token_hex, token_urlsafe
 from typing import Any
 from urllib.parse import parse_qsl
 
 import uvicorn
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
-from starlette.middleware import Middleware
 from starlette.middleware.base import BaseHTTPMiddleware, RequestResponseEndpoint
 from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, JSONResponse, PlainTextResponse, Response
@@ -26,8 +25,8 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from roughcontact.errors import SettingsError
 from roughcontact.interface.app import commands
 from roughcontact.interface.app.measurements import cut, save_upload, whole
-from roughcontact.interface.app.page import FOLDER, Page
-from roughcontact.interface.app.study import check_within_study, error_in_words
+from roughcontact.interface.app.page import Page
+from roughcontact.interface.app.study import FOLDER, check_within_study, error_in_words
 from roughcontact.report.template import script_digests
 from roughcontact.study.run_lock import lock_file
 
@@ -58,39 +57,32 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
             if page.is_open:
                 await asyncio.sleep(0.02)
         async with one_by_one:
-            return HTMLResponse(page.first(secrets.token_hex(8)))
+            return HTMLResponse(await run_in_threadpool(page.first, token_hex(8)))
 
     async def answer(request: Request) -> Response:
         action, query = request.path_params["action"], request.query_params
         if query.get("page") != page.name:
             raise SettingsError("This study was opened in another page: reload this one to use it here")
-        page.is_open = True
+        body = await request.body()
         if action == "drop":
-            return PlainTextResponse(await save_upload(query.get("name", ""), request.stream()))
-        form = dict(parse_qsl((await request.body()).decode(), keep_blank_values=True))
-        try:
-            async with one_by_one:  # a page that is left sends what was typed last, if anything
-                text = await run_in_threadpool(page.after, action, form) if form or action != "leave" else ""
-        finally:
-            if action == "leave":  # what the next page shows is written
-                page.is_open = False
+            return PlainTextResponse(save_upload(query.get("name", ""), body))
+        form = dict(parse_qsl(body.decode(), keep_blank_values=True))
+        page.is_open = action != "leave"
+        async with one_by_one:  # a page that is left sends what was typed last, if anything
+            text = await run_in_threadpool(page.after, action, form) if page.is_open or form else ""
         return HTMLResponse(text)
 
     def of_map(request: Request) -> Response:
-        inspection = page.reader.readings[request.path_params["key"]].result()
-        if line := request.query_params.get("line"):
-            return JSONResponse(cut(inspection["row"], line))
-        is_whole = "whole" in request.query_params
-        return Response(
-            whole(inspection["row"]) if is_whole else inspection["picture"], media_type="image/png"
-        )
+        inspection, query = page.reader.readings[request.path_params["key"]].result(), request.query_params
+        if "line" in query:
+            return JSONResponse(cut(inspection["row"], query["line"]))
+        picture = whole(inspection["row"]) if "whole" in query else inspection["picture"]
+        return Response(picture, media_type="image/png")
 
     async def guard(request: Request, call_next: RequestResponseEndpoint) -> Response:
         _, word, *path = request.url.path.split("/")
         try:
-            admitted = is_admitted(request, path, port) and secrets.compare_digest(
-                *map(str.encode, (word, token))
-            )
+            admitted = is_admitted(request, path, port) and compare_digest(word.encode(), token.encode())
             response = await call_next(request) if admitted else PlainTextResponse("refused", 403)
         except Exception as error:  # whatever it is
             response = PlainTextResponse(error_in_words(error), 400)
@@ -106,7 +98,7 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         result, form, before = (request.query_params.get(name, "") for name in ("result", "form", "before"))
         if form == "compare" and not before:
             return HTMLResponse(page.compared(result))
-        file, words = commands.export(result, form, before or result, plan=page.plan)
+        file, words = commands.export(result, form, before or result, plan=page.context["plan"])
         return FileResponse(file, filename=file.name) if file.is_file() else PlainTextResponse(words)
 
     results = StaticFiles(directory="results", check_dir=False)
@@ -119,8 +111,9 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         Mount("/page", StaticFiles(directory=FOLDER)),
         Mount("/results", results),
     ]
-    middleware = [Middleware(BaseHTTPMiddleware, dispatch=guard)]
-    return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=middleware)
+    served = Starlette(routes=[Mount(f"/{token}", routes=routes)])
+    served.add_middleware(BaseHTTPMiddleware, dispatch=guard)
+    return served
 
 
 def is_admitted(request: Request, path: Sequence[str], port: int) -> bool:
@@ -171,17 +164,13 @@ def serve(folder: Path, *, port: int = 0, browser: bool = True) -> int:
                 f"{Path.cwd()}: its page is open already, by another `roughcontact app`: use that one, or "
                 "end it first (Ctrl-C where it was started)"
             )
-        token, page, port = secrets.token_urlsafe(24), Page(), listener.getsockname()[1]
+        token, page, port = token_urlsafe(24), Page(), listener.getsockname()[1]
         address = f"http://127.0.0.1:{port}/{token}/"
         print(f"{Path.cwd()}: {address}\nCtrl-C ends the page, and a run that it has started.", flush=True)
         app = application(page, token=token, port=port)
+        # the backlog is what asyncio accepts at once, before a connection can make room
         config = uvicorn.Config(
-            app,
-            http=Connection,
-            ws="none",
-            log_config=None,
-            backlog=30,  # what asyncio accepts at once, before a connection can make room
-            timeout_graceful_shutdown=1,
+            app, http=Connection, ws="none", log_config=None, backlog=30, timeout_graceful_shutdown=1
         )
         # uvicorn raises the signal again: it ends the program by what follows
         signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))

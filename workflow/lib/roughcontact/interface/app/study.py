@@ -1,8 +1,7 @@
-"""A study as the texts of a form, by dotted names (contact.bodies.0.material), and its two files."""
+"""A study as the texts of a form, by dotted names (contact.bodies.0.material): its question and two files."""
 
 import os
 import re
-import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from itertools import chain, count
@@ -18,6 +17,7 @@ from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.errors import RoughContactError, SettingsError
 from roughcontact.io.guards import brief
 from roughcontact.results.storage import write_text
+from roughcontact.study.places import find_file
 from roughcontact.study.plan import Plan
 from roughcontact.study.study import read_study
 from roughcontact.study.table.columns import REQUIRED
@@ -26,11 +26,18 @@ from roughcontact.study.table.text import read_table, table_text
 from roughcontact.study.yaml_text import check_yaml
 
 CONFIG = Path("config/config.yaml")
+TICKED = "ticked"  # the cell of a row of the form that is chosen, which is in no file
+FOLDER = Path(__file__).with_name("page")
+# the questions: each with its fields beside the materials of both bodies, by sections of the settings
+JOBS: dict[str, Any] = yaml.safe_load((FOLDER / "jobs.yaml").read_text(encoding="utf-8"))
+# loads and forms, of which a study has one kind: those of another question are set aside
+_LOADS = ("contact.mean_pressure", "contact.force", "contact.boundary", "form.radius")
 _TABLE = Settings.model_fields["surfaces"].default
 _HEAD = "# written by the page of roughcontact, see config/README.md"
 _JOB = re.compile(rf"{re.escape(_HEAD)}; asked: (\w+)\n")
 _BACKUP = ".before-page"  # ends the name of a file that the page has not written and writes over
 _STYLE: dict[str, Any] = {"sort_keys": False, "allow_unicode": True, "width": 100, "default_flow_style": None}
+_ONE_LINE = _STYLE | {"default_flow_style": True, "width": 10**9}
 Row = dict[str, str]
 
 
@@ -44,10 +51,23 @@ class _Dumper(yaml.SafeDumper):
 
 _Dumper.add_representer(
     _Typed,
-    lambda dumper, text: dumper.represent_scalar(
-        dumper.resolve(yaml.ScalarNode, text, (True, False)), str(text)
-    ),
+    lambda dumper, text: dumper.represent_scalar(dumper.resolve(yaml.ScalarNode, text, (True, False)), text),
 )
+
+
+def names_of(job: str) -> list[str]:
+    """Return the settings of a question by dotted names, first the materials; none without a question."""
+    settings = JOBS.get(job, {"settings": {}})["settings"]
+    materials = ["contact.bodies.0.material", "contact.bodies.1.material"] if settings else []
+    return materials + [f"{section}.{key}" for section, keys in settings.items() for key in keys]
+
+
+def texts_for(job: str, texts: Mapping[str, str], aside: dict[str, str]) -> dict[str, str]:
+    """Return the texts of a form for a question: those of another are kept `aside` until it is back."""
+    aside |= {name: text for name, text in texts.items() if text and name.startswith(_LOADS)}
+    of_job = [name for name in aside if name.startswith(tuple(names_of(job)))]
+    others = {name: text for name, text in texts.items() if not name.startswith(_LOADS)}
+    return others | {name: aside.pop(name) for name in of_job} | JOBS[job].get("made", {})
 
 
 def read_folder() -> tuple[dict[str, Any], list[Row], str]:
@@ -63,10 +83,10 @@ def read_folder() -> tuple[dict[str, Any], list[Row], str]:
         if not isinstance(config.get("surfaces", ""), str) or {"rows", "page"} & config.keys():
             resolve(values, origin=str(CONFIG))
         if cases := values.get("cases"):
-            config["cases"] = yaml.safe_dump(cases, **_STYLE)
-    table = Path(config.get("surfaces", _TABLE))
+            config["cases"] = yaml.safe_dump(cases, **_ONE_LINE).partition("\n")[0]
+    table = _table(config)
     header, rows = read_table(table) if table.is_file() else ([], [])
-    if "." in "".join(header) or len(header) > len({*header}):  # no fields of the form
+    if "." in "".join(header) or TICKED in header or len(header) > len({*header}):  # no fields of the form
         read_surfaces(table)
     named_cells = [zip(header, cells, strict=False) for _, cells in rows]
     # an empty cell asks for no field
@@ -92,7 +112,7 @@ def check_within_study(*paths: Path) -> None:
 
 
 def _values(texts: Mapping[str, str]) -> dict[str, Any]:
-    """Return the values of fields by their names, of a list under one, texts as they were typed."""
+    """Return the values of fields by their names, texts as they were typed."""
     values: dict[str, Any] = {}
     for name, text in ((name, text.strip()) for name, text in texts.items() if text.strip()):
         field = field_at(name.split("."))
@@ -103,51 +123,25 @@ def _values(texts: Mapping[str, str]) -> dict[str, Any]:
         elif field and is_list(field.annotation) and not section_model(field):
             # a comma between digits is a decimal one, which the settings refuse
             entries = re.split(r",(?!\d)|(?<!\d),", text.strip("[]"))
-            listed = values.setdefault(re.sub(r"\.\d+$", "", name), [])
-            listed.extend(_Typed(entry.strip()) for entry in entries if entry.strip())
+            values[name] = [_Typed(entry.strip()) for entry in entries if entry.strip()]
         else:
             values[name] = _Typed(text) if field and field.annotation not in (str, str | None) else text
     return values
 
 
-def check(texts: Mapping[str, str], rows: Sequence[Row], *, job: str = "") -> dict[str, Any]:
-    """Return the files of a form, mistakes by field, bodies with all numbers, and the plan of a run.
+def save(texts: Mapping[str, str], rows: Sequence[Row], *, job: str, keep: bool) -> str:
+    """Write the files of a form where they differ, and return what was done.
 
-    `texts` are those of the settings by dotted names, `job` is the question.
+    `texts` are those of the settings by dotted names, `job` is the question. What others had noted in the
+    files is kept; with `keep` that of the page is, too: it could not be read.
     """
-    config = grouped(_values(texts))
-    settings = yaml.dump(config, Dumper=_Dumper, **_STYLE) if config else ""
-    table, mistakes = Path(texts.get("surfaces") or _TABLE), dict[str, list[str]]()
-    files = {CONFIG: f"{_HEAD}; asked: {job}\n{settings}" if job else f"{_HEAD}\n{settings}"}
-    plan = None
-    with tempfile.TemporaryDirectory() as folder:
-        drafts = {CONFIG: Path(folder, CONFIG), table: Path(folder, "surfaces.tsv")}
-        try:
-            check_within_study(CONFIG, table)
-            files[table] = f"{_HEAD}\n{table_text(rows)}"
-            for path, text in files.items():
-                write_text(text, drafts[path])
-            if config:
-                check_yaml(drafts[CONFIG])
-            content = (yaml.safe_load(settings) or {}) | {"surfaces": str(drafts[table])}
-            plan = Plan(*read_study(content, ["."], measured_in=[".", table.parent], origin=str(CONFIG)))
-        except SettingsError as error:
-            for mistake in error.mistakes or (error,):
-                sentence = str(mistake).replace(str(drafts[table]), str(table)).replace(f"{folder}/", "")
-                mistakes.setdefault(_field_of(mistake), []).append(sentence)
-    bodies = []
-    with suppress(RoughContactError, LookupError, TypeError):  # none is stated, or one that does not exist
-        bodies = named_bodies(config["contact"]["bodies"])
-    return {"files": files, "mistakes": mistakes, "bodies": bodies, "plan": plan}
-
-
-def write(files: Mapping[Path, str], *, keep: bool) -> str:
-    """Write the files that differ, and return what was done; what others had noted in them is kept.
-
-    With `keep` that of the page is, too: it could not be read.
-    """
+    values = {"surfaces": _TABLE} | _values(texts)
+    settings = yaml.dump(grouped(values), Dumper=_Dumper, **_STYLE)
+    cells = [{name: cell for name, cell in row.items() if name != TICKED} for row in rows]
+    table, head = Path(values["surfaces"]), f"{_HEAD}; asked: {job}" if job else _HEAD
+    files = {CONFIG: f"{head}\n{settings}", table: f"{_HEAD}\n{table_text(cells)}"}
     check_within_study(*files)
-    summary = f"saved in {' and '.join(map(str, files))}"
+    summary = f"saved in {CONFIG} and {table}"
     for path, text in files.items():
         previous = path.read_bytes() if path.is_file() else b""
         if previous == text.encode():
@@ -161,10 +155,34 @@ def write(files: Mapping[Path, str], *, keep: bool) -> str:
     return summary
 
 
-def _field_of(mistake: SettingsError) -> str:
+def check() -> dict[str, Any]:
+    """Return what the files hold: texts, mistakes by field, bodies with all numbers, the plan of a run."""
+    config: dict[str, Any] = {}
+    report: dict[str, Any] = {"mistakes": {}, "bodies": [], "plan": None}
+    try:
+        if CONFIG.is_file():
+            check_yaml(CONFIG)
+            config = yaml.safe_load(CONFIG.read_text(encoding="utf-8"))
+        report["plan"] = Plan(*read_study(config, ["."], measured_in=["."], origin=str(CONFIG)))
+    except SettingsError as error:
+        for mistake in error.mistakes or (error,):
+            report["mistakes"].setdefault(_field_of(mistake, config), []).append(str(mistake))
+    with suppress(RoughContactError, LookupError, TypeError):  # none is stated, or one that does not exist
+        report["bodies"] = named_bodies(config["contact"]["bodies"])
+    paths = [path for path in (CONFIG, _table(config)) if find_file(path, ["."])]
+    return report | {"files": {path: path.read_text(encoding="utf-8", errors="replace") for path in paths}}
+
+
+def _field_of(mistake: SettingsError, config: Mapping[str, Any]) -> str:
     """Return the name of the field of a mistake, as the form has it; empty where there is none."""
     head, *keys = mistake.place.split(".")
-    if head == "rows":  # by their lines, which begin with those of the head of the file and of the columns
-        return f"rows.{int(keys[0]) - 3}.{keys[1]}"
+    if head == "rows" and keys:  # by their lines
+        lines = [line for line, _ in read_table(_table(config))[1]]
+        return f"rows.{lines.index(int(keys[0]))}.{keys[1]}"
     # contact.bodies[0].hardness is a field of its own, an entry of a list belongs to that of the list
     return "cases" if head == "cases" else re.sub(r"\[(\d+)\](?=.)", r".\1", mistake.place).partition("[")[0]
+
+
+def _table(config: Mapping[str, Any]) -> Path:
+    """Return the path of the table of surfaces."""
+    return Path(str(config.get("surfaces", _TABLE)))

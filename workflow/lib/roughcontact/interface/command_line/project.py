@@ -54,9 +54,6 @@ def write_project(
     for path in _FILES:
         if path.exists():
             raise SettingsError(f"{path} already exists: change it, or go to another folder")
-    for file in files:
-        if not Path(file).is_file():
-            raise SettingsError(f"{file}: no such file")
     of_all, groups = dict(columns or {}), groups or {}
     rows = [
         row | ({"group": groups.get(row["path"], "")} if groups else {}) | of_all for row in rows_of(files)
@@ -88,8 +85,10 @@ def collect_files(paths: Sequence[str]) -> tuple[list[str], list[str]]:
             measurements, other_files = list_measurements(path)
             files += measurements
             omissions += map(str, other_files)
-        else:
+        elif path.is_file():
             files.append(path)
+        else:
+            raise SettingsError(f"{path}: no such file or folder")
     working_folder = Path.cwd()
     relative_paths = [
         file.relative_to(working_folder) if file.is_relative_to(working_folder) else file for file in files

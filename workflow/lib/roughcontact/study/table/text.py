@@ -16,6 +16,8 @@ _QUOTED = re.compile(r'"(?:[^"]|"")*"')
 def read_table(table: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """Return the header, and the cells of each further row with the number of its line, unchecked."""
     try:
+        if table.exists() and not table.is_file():  # a pipe or a device may never end
+            raise OSError("no regular file")
         content = table.read_bytes()
         has_mark = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))  # as spreadsheets write it
         lines = re.split(r"\r\n?|\n", content.decode("utf-16" if has_mark else "utf-8-sig"))

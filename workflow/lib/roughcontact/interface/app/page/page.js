@@ -5,39 +5,27 @@ const element = id => document.getElementById(id);
 const fields = () => new URLSearchParams([...document.forms].flatMap(form => [...new FormData(form)]));
 let queue = Promise.resolve(), unsaved = 0, steps = 0;
 
-// Makes an element what it is in the answer, but for what was typed into a field, opened, or drawn. What has an
-// id stays the same element, with its focus, when others appear before it or go.
-function merge(old, now) {
-  if (old.isEqualNode(now)) return;
-  if (old.nodeName !== now.nodeName || old.id !== now.id || old.nodeName === "#text") return old.replaceWith(now);
-  if (["outline", "curve", "cursor"].includes(old.id)) return;
-  const names = [...old.getAttributeNames(), ...now.getAttributeNames()].filter(name => name !== "open");
-  for (const name of names)
-    if (!now.hasAttribute(name)) old.removeAttribute(name);
+// Makes an element what it is in the answer, but for what was typed into a field, opened, or drawn, and returns what stands
+// in its place. What has an id stays where it is, with its focus, when others appear before it or go.
+function merged(old, now) {
+  if (old?.nodeName !== now.nodeName || old.id !== now.id || old.nodeName === "#text") return now;
+  if (old.isEqualNode(now) || old.id === "cursor") return old;
+  for (const name of [...old.getAttributeNames(), ...now.getAttributeNames()])
+    if (["open", "viewBox", "points"].includes(name)) continue;
+    else if (!now.hasAttribute(name)) old.removeAttribute(name);
     else if (old.getAttribute(name) !== now.getAttribute(name)) old.setAttribute(name, now.getAttribute(name));
-  const children = [...now.childNodes], staying = new Set(children.map(child => child.id).filter(Boolean));
-  let place = old.firstChild;
-  for (const child of children) {
-    const same = child.id && [...old.children].find(({ id }) => id === child.id);
-    while (same && place !== same) place = after(place, () => place.remove());
-    if (same || (place && !staying.has(place.id))) place = after(place, () => merge(place, child));
-    else old.insertBefore(child, place);
-  }
-  while (place) place = after(place, () => place.remove());
-}
-
-// What comes after a node, whatever is done with that.
-function after(node, act) {
-  const next = node.nextSibling;
-  act();
-  return next;
+  const before = [...old.childNodes];
+  const children = [...now.childNodes].map((child, place) => merged(before.find(({ id }) => id && id === child.id) ?? before[place], child));
+  for (const node of before) if (!children.includes(node)) node.remove();
+  children.forEach((child, place) => { if (old.childNodes[place] !== child) old.insertBefore(child, old.childNodes[place]); });
+  return old;
 }
 
 async function put(response) {
   const text = await response.text(), answer = new DOMParser().parseFromString(response.ok ? text : "", "text/html");
-  if (!response.ok) element("problem").textContent = text;
   const focus = answer.querySelector("[autofocus]");
-  for (const now of answer.querySelectorAll("main > *")) merge(element(now.id), now);
+  if (!response.ok) element("problem").textContent = text;
+  for (const now of answer.querySelectorAll("main > *")) merged(element(now.id), now);
   if (focus) element(focus.id).focus();
 }
 
@@ -50,9 +38,9 @@ async function send(action, more) {
 }
 
 async function upload(files) {
-  const responses = [], paths = [];
+  const responses = [];
   for (const file of files) responses.push(await fetch(`drop?page=${page}&name=${encodeURIComponent(file.name)}`, { method: "POST", body: file }));
-  for (const response of responses) if (response.ok) paths.push(await response.text());
+  const paths = await Promise.all(responses.filter(response => response.ok).map(response => response.text()));
   if (paths.length) await send("add", [["page.path", paths.join("\n")]]);
   for (const response of responses) if (!response.ok) await put(response);
 }
@@ -112,13 +100,15 @@ document.addEventListener("pointermove", event => {
 });
 document.addEventListener("pointerup", event => {
   if (!start) return;
-  const here = position(event), row = element("map").dataset.row;
-  const [[left, right], [upper, lower]] = [0, 1].map(axis => [start[axis], here[axis]].sort((a, b) => a - b));
+  const here = position(event), map = element("map"), [width, height] = [0, 1].map(axis => Math.abs(here[axis] - start[axis]));
+  const [left, upper] = [0, 1].map(axis => Math.min(start[axis], here[axis])), isClick = !width || !height;
   start = null;
-  if (tool() === "line" || left === right || upper === lower) return;
+  if (tool() === "line") return;
   element("outline").removeAttribute("points");
-  if (tool() === "zoom") return ask("look", [[element("box").name, `${left} ${upper} ${right - left} ${lower - upper}`]]);
-  const field = element(`rows.${row}.${tool()}`), text = `${[left, -lower, right, -upper].map(side => +side.toPrecision(5)).join(" ")} um`;
+  if (tool() === "zoom") return map.setAttribute("viewBox", isClick ? map.dataset.whole : [left, upper, width, height].join(" "));
+  if (isClick) return;
+  const field = element(`rows.${map.dataset.row}.${tool()}`);
+  const text = `${[left, -upper - height, left + width, -upper].map(side => +side.toPrecision(5)).join(" ")} um`;
   field.value = tool() === "mask" && field.value ? `${field.value}; ${text}` : text;
   field.dispatchEvent(new Event("input", { bubbles: true }));
 });
@@ -126,5 +116,4 @@ document.addEventListener("pointerup", event => {
 for (const name of ["beforeunload", "pagehide"])  // before the next page is asked for, and when this one ends otherwise
   window.addEventListener(name, () => navigator.sendBeacon(`leave?page=${page}`, unsaved ? fields() : ""));
 window.addEventListener("pageshow", event => { if (event.persisted) location.reload(); });  // one that was left has no name
-ask("check");
 setInterval(() => { if (!steps) ask("state"); }, 1000);
