@@ -320,7 +320,7 @@ def test_a_profile_is_solved(capsys):
             "{E} --level-s-filter 2mm --level-l-filter '1 mm'",
             "--level-s-filter = 0.002 m is not below --level-l-filter = 0.001 m",
         ),
-        ("{E} --mean-pressure 3e6 --hardness 2e6", "--mean-pressure 3e+06 Pa "),
+        ("{E} --mean-pressure 3e6 --hardness 2e6", "--mean-pressure = 3e+06 Pa "),
         ("solve {P} --contact-modulus 115", "--contact-modulus = '115': 115 Pa "),
         ("solve {P} --contact-modulus 115GPa --mean-pressure 5MPa 1", "--mean-pressure[1] = '1': 1.00 Pa "),
         ("solve {P} --body 210 0.3 --body 210 0.3", "--body[0].youngs_modulus = '210': 210 Pa "),
