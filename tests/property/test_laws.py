@@ -20,8 +20,8 @@ from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.statistics.contact_statistics import statistics_function
 from roughcontact.statistics.decisions import TIGHT
-from roughcontact.statistics.first_yield import add_first_yield
 from roughcontact.statistics.subsurface import add_subsurface_yield
+from roughcontact.statistics.targets import add_first_yield
 from roughcontact.surface.roughness.bearing import BEARING_PARAMETERS
 from roughcontact.surface.roughness.parameters import roughness_parameters
 from roughcontact.surface.window.periodisation import is_periodic

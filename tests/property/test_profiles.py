@@ -8,8 +8,8 @@ import roughcontact as rc
 from roughcontact.arguments.maps import height_map, refined
 from roughcontact.statistics.checks import add_verdicts
 from roughcontact.statistics.contact_statistics import statistics_function, with_uncertainty
-from roughcontact.statistics.first_yield import add_first_yield
 from roughcontact.statistics.subsurface import add_subsurface_yield
+from roughcontact.statistics.targets import add_first_yield
 from roughcontact.surface.synthetic import self_affine_surface
 
 MODULUS, GRADIENT, PITCH, POINTS = 1.2e11, 0.1, 1e-6, 2048

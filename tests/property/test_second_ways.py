@@ -11,7 +11,7 @@ import roughcontact as rc
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.evaluation.courses import worn_in_a_run
 from roughcontact.evaluation.pipeline import run_chain
-from roughcontact.statistics.after_load import evaluate_unloading
+from roughcontact.statistics.unloading import evaluate_unloading
 
 PITCH = (1.5e-6, 1e-6)
 AS_IT_IS = {"level": {"form": "none", "line_alignment": "none", "outlier_threshold": None}}

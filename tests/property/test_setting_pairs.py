@@ -33,7 +33,7 @@ from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.evaluation.courses import slid_in_a_run, worn_in_a_run
 from roughcontact.evaluation.pipeline import run_chain
-from roughcontact.statistics.after_load import evaluate_unloading
+from roughcontact.statistics.unloading import evaluate_unloading
 from roughcontact.surface.preparation.periodic_map import MapPreparation
 
 PITCH, SHAPE = (1.5e-6, 1e-6), (30, 33)

@@ -9,7 +9,7 @@ import roughcontact as rc
 from roughcontact.arguments.answers import TITLES
 from roughcontact.report.courses import course_sections
 from roughcontact.results.storage import write_dataset
-from roughcontact.statistics.after_load import evaluate_unloading
+from roughcontact.statistics.unloading import evaluate_unloading
 from roughcontact.surface.synthetic import rough_reference_surface
 
 HARDNESS = 0.4

@@ -14,7 +14,6 @@ from roughcontact.arguments.quantities import percent, quantity
 from roughcontact.contact.loads import plan_loads
 from roughcontact.report.tables import material_table
 from roughcontact.statistics import checks, contact_checks
-from roughcontact.statistics.first_yield import add_first_yield
 from roughcontact.statistics.outcome import (
     FAILED,
     NOT_MADE,
@@ -26,6 +25,7 @@ from roughcontact.statistics.outcome import (
     not_passed,
     worst_result,
 )
+from roughcontact.statistics.targets import add_first_yield
 from roughcontact.surface.synthetic import westergaard_surface
 from validation import closed_forms
 

@@ -3,7 +3,7 @@
 from _job import save, snakemake
 
 from roughcontact.results.storage import opened_dataset, read_dataset
-from roughcontact.statistics.after_load import evaluate_unloading
+from roughcontact.statistics.unloading import evaluate_unloading
 
 paths, settings = snakemake.input, snakemake.params.settings["residual"]
 window = read_dataset(paths.window)["height"]

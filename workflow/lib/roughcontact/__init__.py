@@ -38,7 +38,7 @@ _HOME = {
     "run_in": "roughcontact.statistics.running_in",
     "sliding_friction": "roughcontact.statistics.sliding",
     "contact_statistics": "roughcontact.statistics.contact_statistics",
-    "first_yield_pressure": "roughcontact.statistics.first_yield",
+    "first_yield_pressure": "roughcontact.statistics.targets",
     "error_budget": "roughcontact.uncertainty.budget",
     "evaluate": "roughcontact.evaluation.evaluate",
     "contact_table": "roughcontact.evaluation.evaluate",

@@ -27,9 +27,9 @@ from roughcontact.results.storage import write_dataset as write_dataset
 from roughcontact.statistics.checks import surface_checks as surface_checks
 from roughcontact.statistics.contact_statistics import contact_statistics as contact_statistics
 from roughcontact.statistics.contact_statistics import with_uncertainty as with_uncertainty
-from roughcontact.statistics.first_yield import first_yield_pressure as first_yield_pressure
 from roughcontact.statistics.running_in import run_in as run_in
 from roughcontact.statistics.sliding import sliding_friction as sliding_friction
+from roughcontact.statistics.targets import first_yield_pressure as first_yield_pressure
 from roughcontact.statistics.unloading import unload as unload
 from roughcontact.study.running import workflow_file as workflow_file
 from roughcontact.surface.faces.composite import composite as composite

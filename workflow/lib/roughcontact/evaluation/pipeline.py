@@ -26,10 +26,10 @@ from roughcontact.results.storage import provenance, written_load_by_load
 from roughcontact.statistics.allowed import with_allowed
 from roughcontact.statistics.checks import add_verdicts
 from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_function, with_uncertainty
-from roughcontact.statistics.first_yield import add_first_yield
 from roughcontact.statistics.instrument_checks import instrument_kind
 from roughcontact.statistics.precision import add_precision
 from roughcontact.statistics.subsurface import add_subsurface_yield
+from roughcontact.statistics.targets import add_first_yield
 from roughcontact.surface.preparation.periodic_map import Settings
 from roughcontact.surface.window.band import lateral_period_limit
 from roughcontact.surface.window.instrument import stated_instrument

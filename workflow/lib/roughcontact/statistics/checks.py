@@ -7,50 +7,53 @@ is the verdict on contact area and pressure in contact. The checks and their lim
 `contact_checks`, `map_checks` and `instrument_checks`.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import ANSWERS
-from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.kinds import FINITE_BODY, facts_of
 from roughcontact.arguments.measurement import Instrument, json_attributes
 from roughcontact.arguments.variables import describe, values_at_load
 from roughcontact.statistics import contact_checks, instrument_checks, map_checks, outcome
 from roughcontact.statistics.contact_checks import CONTACT_POINTS, OVERCOUNT, overcount
-from roughcontact.statistics.kinds import numbers_of_kind
-from roughcontact.statistics.local_scale import local_scale
 from roughcontact.statistics.map_checks import FILLED_IN_CONTACT, REJECTED_LOAD, Attributes
-from roughcontact.statistics.outcome import Check, CheckName
-from roughcontact.statistics.selected_loads import SelectedLoads, Statistics
+from roughcontact.statistics.outcome import Check
 
 # what a check puts in doubt, where that is not every answer
 _SHORT_WAVES = ("relative_contact_area", "mean_contact_pressure", "yield", "max_pressure", "conductance")
 _CONCERNS: dict[str, tuple[str, ...]] = {
-    CheckName.NOISE: _SHORT_WAVES,
-    CheckName.ISOLATED_PEAK: ("mean_gap", "sealing", "yield", "max_pressure"),
-    CheckName.SAMPLE: ("mean_gap", "sealing"),
-    CheckName.MEAN_FREE_PATH: ("conductance",),
+    "Noise": _SHORT_WAVES,
+    "Isolated peak": ("mean_gap", "sealing", "yield", "max_pressure"),
+    "Sample": ("mean_gap", "sealing"),
+    "Mean free path": ("conductance",),
 }
 # warnings that told nothing of where results of measured maps lie outside their intervals
-_NOTES = {CheckName.RESOLUTION, CheckName.MISSING_POINTS, CheckName.OUTLIERS}
-# warnings of what a source of the interval evaluates
-_IN_THE_INTERVAL: dict[str, str] = {
-    CheckName.RESOLUTION: "discretisation",
-    CheckName.PERIODIC_WINDOW: "window",
-    CheckName.FORM: "window",
-    CheckName.SCAN_LINES: "window",
-    CheckName.WINDOW: "window",
-    CheckName.LONGEST_WAVE: "window",
-    CheckName.BAND: "instrument",
-    CheckName.NOISE: "instrument",
-    CheckName.QUANTISATION: "instrument",
+_NOTES = ("Resolution", "Missing points", "Outliers")
+# source of the interval -> warnings of what it evaluates
+_IN_THE_INTERVAL = {
+    "discretisation": ("Resolution",),
+    "window": ("Periodic window", "Form", "Scan lines", "Window", "Longest wave"),
+    "instrument": ("Band", "Noise", "Quantisation"),
+}
+# a limit of the window beyond which the interval does not hold either
+_BEYOND_THE_INTERVAL: dict[str, Callable[[Attributes], bool]] = {
+    "Noise": instrument_checks.is_mostly_noise,
+    "Quantisation": instrument_checks.is_too_coarse,
+    "Form": lambda window: facts_of(window).adds_form(window),
+}
+# kind of problem -> checks of what it does not have: of a body, form and edges are meant
+_OMITTED: dict[str, Sequence[str]] = {
+    FINITE_BODY.name: (
+        *("Periodic window", "Window", "Longest wave", "Sample", "Load range", "Slopes", "Steep places"),
+    )
 }
 
 
 def surface_checks(
-    statistics: Statistics, *, height: Attributes, levelled: Attributes, window: Attributes, points: int
+    statistics: xr.Dataset, *, height: Attributes, levelled: Attributes, window: Attributes, points: int
 ) -> list[Check]:
     """Return the checks of one surface under one case, in the order of the report.
 
@@ -70,38 +73,38 @@ def surface_checks(
     # the table of surfaces prevails over the settings
     window = {**Instrument.read(statistics.attrs).attributes(), **window}
     checks: dict[str, Check | None] = {
-        CheckName.UNITS: contact_checks.units(statistics),
-        CheckName.SOLVER: contact_checks.convergence(statistics),
-        CheckName.POINTS_IN_CONTACT: contact_checks.contact_points(statistics, points),
-        CheckName.RESOLUTION: contact_checks.resolution(statistics),
-        CheckName.LAYERS: contact_checks.layers(statistics, points),
-        CheckName.MEAN_FREE_PATH: contact_checks.mean_free_path(statistics),
-        CheckName.LOCAL_SCALE: local_scale(statistics),
-        CheckName.FLUID: contact_checks.fluid(statistics),
-        CheckName.SMOOTHED: instrument_checks.smoothed(window),
-        CheckName.NOISE: instrument_checks.noise(statistics, window),
-        CheckName.QUANTISATION: instrument_checks.quantisation(window),
-        CheckName.ISOLATED_PEAK: instrument_checks.isolated_peak(statistics, window),
-        CheckName.MISSING_POINTS: map_checks.missing_points(statistics, height, levelled),
-        CheckName.OUTLIERS: map_checks.outliers(statistics, levelled),
-        CheckName.SCAN_LINES: map_checks.scan_lines(levelled, statistics),
-        CheckName.FORM: map_checks.form(levelled, window),
-        CheckName.PERIODIC_WINDOW: map_checks.periodicity(window),
-        CheckName.WINDOW: map_checks.window_share(window),
-        CheckName.FACES: map_checks.faces(levelled, window),
-        CheckName.LONGEST_WAVE: map_checks.longest_wave(statistics),
-        CheckName.SAMPLE: map_checks.sample(statistics),
-        CheckName.LAY: map_checks.lay(statistics, window),
-        CheckName.BAND: map_checks.band(window),
-        CheckName.PLASTICITY: contact_checks.plasticity(statistics),
-        CheckName.LOAD_RANGE: contact_checks.load_range(statistics),
-        CheckName.SLOPES: map_checks.slope(statistics),
-        CheckName.STEEP_PLACES: map_checks.steep_places(window),
-        CheckName.HEIGHT_UNIT: instrument_checks.height_unit(height, window),
-        CheckName.PIXEL_SIZE: instrument_checks.pixel_size(height, window),
-        CheckName.READING: map_checks.reading(height, levelled),
+        "Units": contact_checks.units(statistics),
+        "Solver": contact_checks.convergence(statistics),
+        "Points in contact": contact_checks.contact_points(statistics, points),
+        "Resolution": contact_checks.resolution(statistics),
+        "Layers": contact_checks.layers(statistics, points),
+        "Mean free path": contact_checks.mean_free_path(statistics),
+        "Local scale": contact_checks.local_scale(statistics),
+        "Fluid": contact_checks.fluid(statistics),
+        "Smoothed": instrument_checks.smoothed(window),
+        "Noise": instrument_checks.noise(statistics, window),
+        "Quantisation": instrument_checks.quantisation(window),
+        "Isolated peak": instrument_checks.isolated_peak(statistics, window),
+        "Missing points": map_checks.missing_points(statistics, height, levelled),
+        "Outliers": map_checks.outliers(statistics, levelled),
+        "Scan lines": map_checks.scan_lines(levelled, statistics),
+        "Form": map_checks.form(levelled, window),
+        "Periodic window": map_checks.periodicity(window),
+        "Window": map_checks.window_share(window),
+        "Faces": map_checks.faces(levelled, window),
+        "Longest wave": map_checks.longest_wave(statistics),
+        "Sample": map_checks.sample(statistics),
+        "Lay": map_checks.lay(statistics, window),
+        "Band": map_checks.band(window),
+        "Plasticity": contact_checks.plasticity(statistics),
+        "Load range": contact_checks.load_range(statistics),
+        "Slopes": map_checks.slope(statistics),
+        "Steep places": map_checks.steep_places(window),
+        "Height unit": instrument_checks.height_unit(height, window),
+        "Pixel size": instrument_checks.pixel_size(height, window),
+        "Reading the file": map_checks.reading(height, levelled),
     }
-    omitted = numbers_of_kind(statistics.attrs).omitted_checks
+    omitted = _OMITTED.get(facts_of(statistics.attrs).name, ())
     return [
         _noted(check._replace(name=name, answers=_CONCERNS.get(name, check.answers)), statistics, window)
         for name, check in checks.items()
@@ -109,28 +112,21 @@ def surface_checks(
     ]
 
 
-def _noted(check: Check, statistics: Statistics, window: Attributes) -> Check:
+def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
     """Return a warning as a note where the interval includes what it says, or the settings ask for it."""
-    limits: dict[str, Callable[[Attributes], bool]] = {
-        CheckName.NOISE: instrument_checks.is_mostly_noise,
-        CheckName.QUANTISATION: instrument_checks.is_too_coarse,
-        CheckName.FORM: lambda window: facts_of(window).adds_form(window),
-    }
-    # a limit beyond which the interval does not hold either
-    if check.outcome != outcome.REVIEW or (check.name in limits and limits[check.name](window)):
+    is_beyond = _BEYOND_THE_INTERVAL.get(check.name)
+    if check.outcome != outcome.REVIEW or (is_beyond and is_beyond(window)):
         return check
-    if check.name == CheckName.PLASTICITY and "hardness" in statistics:
-        return check._replace(outcome=outcome.NOTE)  # the contact was solved with it: flow is in the numbers
-    source = _IN_THE_INTERVAL.get(check.name)
+    note = check._replace(outcome=outcome.NOTE)
     budget = statistics.get("relative_contact_area_uncertainty")
-    # an interval without an end includes nothing
-    if (
-        source is not None
-        and budget is not None
-        and np.isfinite(budget[:, statistics["source"].values == source]).all()
-    ):
-        return check._replace(outcome=outcome.NOTE, advice=f"{check.advice} The ± includes it.".lstrip())
-    return check._replace(outcome=outcome.NOTE) if check.name in _NOTES else check
+    if budget is not None:
+        of_check = [check.name in _IN_THE_INTERVAL.get(source, ()) for source in budget["source"].values]
+        # an interval without an end includes nothing
+        if any(of_check) and np.isfinite(budget[:, of_check]).all():
+            return note._replace(advice=f"{check.advice} The ± includes it.".lstrip())
+    # where the contact was solved with a hardness, flow is in the numbers
+    is_solved = check.name == "Plasticity" and "hardness" in statistics
+    return note if is_solved or check.name in _NOTES else check
 
 
 def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
@@ -160,12 +156,12 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
             "contact on filled points": load["contact_on_filled_points"] > FILLED_IN_CONTACT[0],
             "rejected points carry load": load.get("rejected_load_share", 0.0) > REJECTED_LOAD,
         }
-        words_of_load = [word for word, applies in words.items() if applies]
-        flags.append(words_of_load + contact_checks.yield_flags(load))
+        applying = [word for word, applies in words.items() if applies]
+        flags.append(applying + contact_checks.yield_flags(load))
     return flags
 
 
-def window_checks(statistics: Statistics, window: xr.DataArray) -> list[Check]:
+def window_checks(statistics: xr.Dataset, window: xr.DataArray) -> list[Check]:
     """Return the checks (`surface_checks`) of a window that has the attributes of the maps it comes from.
 
     Parameters
@@ -204,8 +200,8 @@ def add_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     """
     # each load by itself for its verdict, all together for the sentences
     loads = range(statistics.sizes["load"])
-    by_load = [window_checks(SelectedLoads(statistics, [load]), window) for load in loads]
-    together = window_checks(SelectedLoads(statistics, [*loads]), window)
+    by_load = [window_checks(statistics.isel(load=[load]), window) for load in loads]
+    together = window_checks(statistics, window)
     grades = list(outcome.VERDICTS)
     words = [outcome.VERDICTS[outcome.worst_result(checks)] for checks in by_load]
     texts = [[outcome.reason_text(check) for check in outcome.not_passed(checks)] for checks in by_load]

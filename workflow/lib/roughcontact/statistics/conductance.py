@@ -14,7 +14,8 @@ from roughcontact.contact.elasticity.medium import HALF_SPACES, Medium
 from roughcontact.errors import SettingsError
 
 Bodies = Sequence[Mapping[str, Any]]
-_TRANSPORTS = {"thermal": "thermal_conductance", "electrical": "electrical_conductance"}
+# what passes -> the property of bodies that decides, and the power of it that adds up in series
+_TRANSPORTS = {"thermal": ("thermal_conductivity", -1), "electrical": ("electrical_resistivity", 1)}
 
 
 def conductance_columns(
@@ -37,13 +38,10 @@ def conductance_columns(
         # layers conduct by another medium: solved by itself
         return {"conductance_per_conductivity": np.full_like(per_conductivity, np.nan)}
     columns = {"conductance_per_conductivity": per_conductivity}
-    homogeneous = half_spaces(bodies)
-    if (conductivities := _body_properties(homogeneous, "thermal_conductivity")) is not None:
-        # two half-spaces in series: harmonic mean of their conductivities
-        columns["thermal_conductance"] = 2 / (1 / conductivities).sum() * per_conductivity
-    if (resistivities := _body_properties(homogeneous, "electrical_resistivity")) is not None:
-        # the mean of both resistivities
-        columns["electrical_conductance"] = 2 / resistivities.sum() * per_conductivity
+    for transport, (name, power) in _TRANSPORTS.items():
+        # two half-spaces in series: the harmonic mean of conductivities, the mean of resistivities
+        if (values := _body_properties(half_spaces(bodies), name)) is not None:
+            columns[f"{transport}_conductance"] = 2 / (values**power).sum() * per_conductivity
     return columns
 
 
@@ -67,8 +65,8 @@ def conductivity_ranges(bodies: Bodies | None) -> dict[str, tuple[float, float, 
     [17.0, 15.8, 18.2]
     """
     results: dict[str, tuple[float, float, float]] = {}
-    for name, power in (("thermal_conductivity", -1), ("electrical_resistivity", 1)):
-        materials = [material for body in bodies or () for material in materials_in(body)]
+    materials = [material for body in bodies or () for material in materials_in(body)]
+    for name, power in _TRANSPORTS.values():
         ranges = [material.get(name_of_range(name)) for material in materials]
         values = _body_properties([top_material(body) for body in bodies or ()], name)
         if values is None or not any(ranges):
@@ -124,20 +122,17 @@ def resistances_and_joint(
     columns: Mapping[str, np.ndarray],
     joint: Mapping[str, float | None] | None,
 ) -> dict[str, np.ndarray]:
-    """Return conductances by area with their resistances, and with a joint its own.
+    """Return all columns with conductances by area, their resistances, and with a joint its own.
 
     Spots are in series with a film on their area, and gas beside them; `columns` has `gas_conductance`,
     `relative_contact_area`, and the conductances of bodies with layers.
     """
-    by_area = {name: columns[name] for name in _TRANSPORTS.values() if name in columns}
-    results = by_area | conductances
+    results = {**columns, **conductances}
     with np.errstate(divide="ignore"):
-        results |= {
-            f"{transport}_resistance": 1 / results[name]
-            for transport, name in _TRANSPORTS.items()
-            if name in results
-        }
-        if joint and {"thermal_resistance", "gas_conductance"} <= results.keys() | columns.keys():
+        for transport in _TRANSPORTS:
+            if f"{transport}_conductance" in results:
+                results[f"{transport}_resistance"] = 1 / results[f"{transport}_conductance"]
+        if joint and {"thermal_resistance", "gas_conductance"} <= results.keys():
             # in a film over the contact all heat passes through the area that touches
             film = (joint.get("film_thickness") or 0.0) / (joint.get("film_conductivity") or 1.0)
             resistance = results["thermal_resistance"] + film / columns["relative_contact_area"]
@@ -156,9 +151,11 @@ def conductors(bodies: Bodies | None, elasticity: Elasticity = HALF_SPACE) -> di
     """
     if bodies is None or len(half_spaces(bodies)) == len(bodies):
         return {}
-    properties = {"thermal": "thermal_conductivity", "electrical": "electrical_resistivity"}
-    pairs = {key: conduction(bodies, name, elasticity) for key, name in properties.items()}
-    return {_TRANSPORTS[key]: pair for key, pair in pairs.items() if pair is not None}
+    pairs = {
+        f"{transport}_conductance": conduction(bodies, name, elasticity)
+        for transport, (name, _) in _TRANSPORTS.items()
+    }
+    return {name: pair for name, pair in pairs.items() if pair is not None}
 
 
 def knudsen_resistance_ratio(knudsen: npt.ArrayLike) -> np.ndarray:

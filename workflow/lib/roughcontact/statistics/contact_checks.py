@@ -18,7 +18,6 @@ from roughcontact.statistics.decisions import is_lifted
 from roughcontact.statistics.kinds import load_in_words, unit_of_pressures
 from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
 from roughcontact.statistics.sealing.gas import MIN_INVERSE_KNUDSEN, path_at_mean_pressure
-from roughcontact.statistics.selected_loads import Statistics
 
 CONTACT_POINTS = 100  # fewer contact points are too few for statistics
 LAYER_PIXELS = 4  # thickness from which the contact of a pixel is that of a half-space
@@ -28,10 +27,11 @@ _BALLISTIC = 0.1  # of the resistance, added by the mean free path: less hides i
 _RESISTIVITY_TIMES_PATH = 7e-16
 _GAS = 5e-5  # Pa s; air has 1.8e-5, the thinnest liquids that are sealed 1e-4
 _RUBBER = quantity(materials.RUBBER, "Pa", digits=1)
+_ROUGHNESS_OF_FORM = 0.05  # rms height over Hertz's approach
 OVERCOUNT = 0.2  # excess of the counted over the corrected area: patches are a few pixels across
 
 
-def convergence(statistics: Statistics) -> Check:
+def convergence(statistics: xr.Dataset) -> Check:
     """Check that every load reached the tolerance of the solver.
 
     Examples
@@ -52,7 +52,7 @@ def convergence(statistics: Statistics) -> Check:
     return passed(f"All loads converged: error bound at most {bound}, tolerance {tolerance}.")
 
 
-def contact_points(statistics: Statistics, points: int) -> Check:
+def contact_points(statistics: xr.Dataset, points: int) -> Check:
     """Check that more than a handful of the `points` of the window are in contact at every load."""
     # whole numbers again, after the share was rounded
     counts = np.rint(statistics["relative_contact_area_pixels"].values * points).astype(int)
@@ -84,7 +84,7 @@ def overcount(statistics: Numbers) -> np.ndarray:
     return np.where(touching, pixel_area / np.where(touching, corrected_area, 1.0) - 1, np.inf)
 
 
-def resolution(statistics: Statistics) -> Check:
+def resolution(statistics: xr.Dataset) -> Check:
     """Check that the contact patches are more than a few points across."""
     resolution = float(statistics["points_per_shortest_wavelength"][0])
     if np.isnan(resolution):
@@ -104,7 +104,7 @@ def resolution(statistics: Statistics) -> Check:
     )
 
 
-def plasticity(statistics: Statistics) -> Check:
+def plasticity(statistics: xr.Dataset) -> Check:
     """Check that no point carries the hardness, or that pressures are below the strength of their class.
 
     The plasticity index E* g / H is mostly elastic below 0.3, mostly plastic above 3 (Mikić 1974, Int. J.
@@ -114,7 +114,7 @@ def plasticity(statistics: Statistics) -> Check:
     return _hardness_check(statistics) if "hardness" in statistics else _check_by_classes(statistics)
 
 
-def _hardness_check(statistics: Statistics) -> Check:
+def _hardness_check(statistics: xr.Dataset) -> Check:
     """Return the check of the pressure against the hardness that limits it."""
     hardness, modulus = (float(statistics[name]) for name in ("hardness", "contact_modulus"))
     load_share, area_share = (statistics[f"{name}_share_above_hardness"].values for name in ("load", "area"))
@@ -138,7 +138,7 @@ def _hardness_check(statistics: Statistics) -> Check:
     )
 
 
-def _check_by_classes(statistics: Statistics) -> Check:
+def _check_by_classes(statistics: xr.Dataset) -> Check:
     """Return the check of the pressure where no hardness is stated, by classes of materials."""
     modulus = float(statistics["contact_modulus"])
     mean, largest = (statistics[name].values / modulus for name in ("mean_contact_pressure", "max_pressure"))
@@ -218,7 +218,7 @@ def yield_flags(load: Numbers) -> list[str]:
     return ["metals flow"] if exceeds_metals(load) else []
 
 
-def layers(statistics: Statistics, points: int) -> Check | None:
+def layers(statistics: xr.Dataset, points: int) -> Check | None:
     """Check that layers are not thinner than the grid can tell, nor thicker than the window; none: no check.
 
     Examples
@@ -260,7 +260,32 @@ def layers(statistics: Statistics, points: int) -> Check | None:
     )
 
 
-def units(statistics: Statistics) -> Check:
+def local_scale(statistics: xr.Dataset) -> Check | None:
+    """Check that the rms height is below 0.05 of the approach of a form (Johnson 1985, section 13.5)."""
+    if "local_contact_area" not in statistics:
+        return None
+    last = statistics.isel(load=int(statistics["force"].values.argmax()))
+    # the least approach: under the smallest force roughness is largest against the form
+    ratio = float(statistics["rms_height"] / statistics["hertz_approach"].min())
+    share = float(last["local_contact_area"] / (np.pi * last["hertz_radius"] ** 2))
+    force, radius, gap = (
+        quantity(float(last[name]), unit)
+        for name, unit in (("force", "N"), ("hertz_radius", "m"), ("local_mean_gap", "m"))
+    )
+    text = (
+        "Each place of the smooth contact (Hertz) has the contact of this map under the nominal pressure "
+        f"there: at {force}, radius {radius}, {percent(share)} of the area and a mean gap of {gap}. "
+        f"Roughness has to be small against the form: its rms height is {percent(ratio)} of the least "
+        "approach."
+    )
+    lengths = [statistics[f"window_length_{axis}"] for axis in "xy"]
+    # a map as large as the contact does not see a pressure that is the same all over
+    if ratio <= _ROUGHNESS_OF_FORM and np.nanmax(lengths) < 2 * statistics["hertz_radius"].min():
+        return noted(text)
+    return review(text, advice="Solve a map that is larger than the contact, with boundary: free.")
+
+
+def units(statistics: xr.Dataset) -> Check:
     """Check that modulus and loads are those of real materials: else a unit is likely to be wrong."""
     modulus, loads = float(statistics["contact_modulus"]), statistics["mean_pressure"].values
     # a problem in units of its own, which cannot be checked
@@ -282,7 +307,7 @@ def units(statistics: Statistics) -> Check:
     return passed(f"{description} and loads of {span} are those of real materials.")
 
 
-def _friction_doubt(statistics: Statistics) -> str:
+def _friction_doubt(statistics: xr.Dataset) -> str:
     """Return in a sentence that friction or its warmth is that of no solid, empty if neither is."""
     for name, limit, text in (
         ("friction_coefficient", materials.MAX_FRICTION, "The coefficient of friction by the area is {}"),
@@ -293,7 +318,7 @@ def _friction_doubt(statistics: Statistics) -> str:
     return ""
 
 
-def _temperature_doubt(statistics: Statistics) -> str:
+def _temperature_doubt(statistics: xr.Dataset) -> str:
     """Return in a sentence that a named material is beyond its range of temperatures, empty if none is."""
     names = [name for name in ("max_flash_temperature", "temperature_drop") if name in statistics]
     rise = max((float(statistics[name].max()) for name in names), default=0.0)
@@ -314,7 +339,7 @@ def _temperature_doubt(statistics: Statistics) -> str:
     return ""
 
 
-def _loads(mask: np.ndarray | xr.DataArray, statistics: Statistics) -> str:
+def _loads(mask: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
     """Return the loads concerned, as the beginning of a sentence."""
     pressures, unit = statistics["mean_pressure"].values, unit_of_pressures(statistics)
     chosen = pressures[np.asarray(mask)]
@@ -326,7 +351,7 @@ def _loads(mask: np.ndarray | xr.DataArray, statistics: Statistics) -> str:
 
 
 @np.errstate(invalid="ignore")  # full contact has no constriction
-def mean_free_path(statistics: Statistics) -> Check | None:
+def mean_free_path(statistics: xr.Dataset) -> Check | None:
     """Check that the spots that conduct a current are larger than the mean free path of the electrons.
 
     They count as round ones with the same ratio of Sharvin's resistance to that of the constriction. None of
@@ -354,7 +379,7 @@ def mean_free_path(statistics: Statistics) -> Check | None:
     return review(f"{text} and is not in the ±.", advice="Add it.")
 
 
-def fluid(statistics: Statistics) -> Check | None:
+def fluid(statistics: xr.Dataset) -> Check | None:
     """Check that a sealed fluid presses less than the bodies, and that its flow is known; none: no seal.
 
     Examples
@@ -386,7 +411,7 @@ def fluid(statistics: Statistics) -> Check | None:
     )
 
 
-def _slip(statistics: Statistics, text: str) -> Check:
+def _slip(statistics: xr.Dataset, text: str) -> Check:
     """Return the check that the slip of a gas is known, by its mean free path over the narrowest place."""
     names = [f"critical_constriction_{axis}" for axis in "xy"]
     # where it is closed no gas flows
@@ -404,7 +429,7 @@ def _slip(statistics: Statistics, text: str) -> Check:
     return review(f"{text}, beyond what is known of its flow; it leaks more.", ("sealing",))
 
 
-def load_range(statistics: Statistics) -> Check:
+def load_range(statistics: xr.Dataset) -> Check:
     """Check that not all loads are in full contact.
 
     Examples

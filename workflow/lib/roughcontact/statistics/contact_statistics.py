@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ENDS, OPPOSITE_ENDS
+from roughcontact.arguments.answers import AREA, CONDUCTANCE, ENDS, GAP, OPPOSITE_ENDS, PEAK
 from roughcontact.arguments.bodies import check_bodies
 from roughcontact.arguments.checking import check_choice, check_keys, check_solution, warn_of_map
 from roughcontact.arguments.choices import Extra
-from roughcontact.arguments.kinds import KindFacts, facts_of
+from roughcontact.arguments.finite_body import recover_roughness
+from roughcontact.arguments.kinds import FINITE_BODY, KindFacts, facts_of
 from roughcontact.arguments.maps import areal_only, spacing
 from roughcontact.arguments.named_materials import named_bodies
 from roughcontact.arguments.si import as_si
@@ -32,8 +33,8 @@ from roughcontact.statistics.conductance import Bodies
 from roughcontact.statistics.contact_geometry import contact_perimeter, point_area, relative_contact_area
 from roughcontact.statistics.decisions import TIGHT, gap_is_closed, is_lifted
 from roughcontact.statistics.densities import density, logarithmic_edges
+from roughcontact.statistics.finite_body import finite_body_columns
 from roughcontact.statistics.friction import friction_statistics
-from roughcontact.statistics.kinds import numbers_of_kind
 from roughcontact.statistics.precision import widened
 from roughcontact.statistics.sealing.connectivity import region_sizes
 from roughcontact.statistics.sealing.gas import path_at_mean_pressure, slip_factor
@@ -45,15 +46,8 @@ from roughcontact.surface.roughness.texture import texture_parameters
 
 # variables of the solver, copied for each load
 SOLVER_COLUMNS = (
-    "approach",
-    "iterations",
-    "operator_applications",
-    "error_bound",
-    "rounding_floor",
-    "yielded_area",
-    "max_penetration",
-    "load_error",
-    "converged",
+    *("approach", "iterations", "operator_applications", "error_bound", "rounding_floor", "yielded_area"),
+    *("max_penetration", "load_error", "converged"),
 )
 # variables of contact.nc without maps
 SOLUTION_COLUMNS = (*SOLVER_COLUMNS, "relative_pressure", "contact_modulus")
@@ -61,6 +55,11 @@ SOLUTION_COLUMNS = (*SOLVER_COLUMNS, "relative_pressure", "contact_modulus")
 # tolerance of the response to further loading: its error is about that, of an elastic one its square
 _OF_LOADING = 1e-3
 
+# kind of problem -> its numbers of a load that others do not have, or have in another way
+_OF_KINDS = {FINITE_BODY.name: finite_body_columns}
+
+_AS_SOLVED = "_as_solved"  # ends the names of quantities that the budget corrects
+_FLASH_TEMPERATURES = ("mean_flash_temperature", "max_flash_temperature")
 _FURTHER_DIM = {  # of variables, beside the load
     "pressure_density": ("pressure_bin",),
     "gap_density": ("gap_bin",),
@@ -158,7 +157,11 @@ def contact_statistics(
     >>> f"{statistics['relative_contact_area'].item():.3f}, {statistics['contact_clusters'].item()} patch"
     '0.369, 1 patch'
     """
-    _check_bins(pressure_bins=pressure_bins, gap_bins=gap_bins)
+    for name, bins in {"pressure_bins": pressure_bins, "gap_bins": gap_bins}.items():
+        if int(bins) != bins or bins < 1:
+            raise SettingsError(
+                f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
+            )
     check_solution(contact)
     check_choice("flow", flow, Extra)
     check_choice("stress", stress, Extra)
@@ -175,10 +178,9 @@ def contact_statistics(
         )
         warn_of_map(height.shape, surface.parameters["rms_gradient"])
     parameters = dict(surface.parameters)
-    gradient = parameters["rms_gradient"]
     # a flat map has neither gradient nor heights to set the scale of the bins
     edges = {
-        "pressure": (modulus * gradient or modulus)
+        "pressure": (modulus * parameters["rms_gradient"] or modulus)
         * logarithmic_edges(densities.PRESSURE_DECADES, pressure_bins),
         "gap": (surface.peak_to_valley or steps[1]) * logarithmic_edges(densities.GAP_DECADES, gap_bins),
         "patch": point_area(height.shape, steps)
@@ -197,33 +199,26 @@ def contact_statistics(
     conductances = conductance.conductance_columns(
         columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies, medium=medium
     )
-    columns |= conductance.resistances_and_joint(conductances, columns, joint)
+    columns = conductance.resistances_and_joint(conductances, columns, joint)
     if seal is not None and with_flow:
-        columns |= _leaks(columns, seal)
-        parameters |= _numbers_of_seal(seal)
-    columns |= theory_columns(
-        mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient, summits=surface.summits
-    )
-    # that of the solution, whose gradient is summed in another order
-    columns |= {name: contact[name].values for name in kind.scaled_columns if name in contact}
-    if not (kind.has_theories and medium.is_homogeneous):  # they are those of endless half-spaces
-        columns |= {name: np.full(mean_pressure.shape, np.nan) for name in columns if name in theory.AREAS}
+        leaks, numbers_of_seal = _leaks(columns, seal)
+        columns |= leaks
+        parameters |= numbers_of_seal
+    columns |= _theory_columns(contact, surface)
     # a number of the map, repeated for each load beside the other measures of reliability
     name = "points_per_shortest_wavelength"
     columns[name] = np.full(mean_pressure.shape, parameters.pop(name))
     # a finite body has both: its force, and that over the area of the map
     loads = [name for name in ("mean_pressure", "force") if name in contact]
     coordinates = _bins(edges) | {name: ("load", contact[name].values) for name in loads}
-    sections = {"seal": seal or {}, "joint": joint or {}}
     attrs = contact.attrs | {
         f"{section}_{key}": value
-        for section, of_section in sections.items()
-        for key, value in of_section.items()
+        for section, of_section in (("seal", seal), ("joint", joint))
+        for key, value in (of_section or {}).items()
         if value is not None
     }
     if body is not None:
-        coordinates["depth"] = ("depth", subsurface.profile_depths(height.shape, steps, body))
-        coordinates |= subsurface.interface_coordinates(body)
+        coordinates |= subsurface.depth_coordinates(height.shape, steps, body)
         for axis in ("x", "y"):  # a profile has no position across it
             columns[f"max_von_mises_{axis}"] += height[axis].values[0] if height[axis].size > 1 else np.nan
         attrs["stresses_of"] = subsurface.strained_body_in_words(bodies or ())
@@ -237,40 +232,38 @@ def contact_statistics(
         for suffix, value in zip(ENDS, values, strict=True)
     }
     statistics = xr.Dataset(variables | parameters | material, coordinates, attrs)
-    return describe(_add_friction(statistics, contact, friction, bodies))
+    if friction is not None:
+        frictions = [
+            friction_statistics(contact.isel(load=[load]), area, bodies, **friction)
+            for load, area in enumerate(columns["relative_contact_area"])
+        ]
+        if frictions[0].variables:  # a coefficient alone adds nothing
+            statistics = statistics.merge(joined(frictions)).assign_attrs(frictions[0].attrs)
+    return describe(statistics)
 
 
-def _leaks(columns: Mapping[str, np.ndarray], seal: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """Return the leak rates of the loads (m2/s)."""
+def _leaks(
+    columns: Mapping[str, np.ndarray], seal: Mapping[str, Any]
+) -> tuple[dict[str, np.ndarray], dict[str, float]]:
+    """Return the leak rates of the loads (m2/s), and of the seal what does not depend on the load.
+
+    That is the pressure of the fluid, and the leak rate of smooth plates over their gap cubed, without slip.
+    """
     from roughcontact.statistics.sealing.flow import leak_columns
 
     fluid = {key: value for key, value in seal.items() if key not in ("perimeter", "allowed_leak")}
     check_keys("seal", fluid, leak_columns)
-    return leak_columns(columns["mean_gap"], columns, **fluid)
-
-
-def _numbers_of_seal(seal: Mapping[str, Any]) -> dict[str, float]:
-    """Return the pressure of the fluid, and the leak rate of smooth plates over their gap cubed."""
-    plates = {"mean_gap": np.ones(1), "flow_factor_xx": np.ones(1), "flow_factor_yy": np.ones(1)}
-    no_slip = {key: value for key, value in seal.items() if key != "mean_free_path"}
-    return {
-        "fluid_pressure": float(seal["pressure_difference"]),
-        "leak_rate_by_cube": float(_leaks(plates, no_slip)["leak_rate_x"].item()),
-    }
-
-
-def _check_bins(**options: int) -> None:
-    """Raise SettingsError for a number of bins per factor of ten that is no whole number of 1 or more."""
-    for name, bins in options.items():
-        if int(bins) != bins or bins < 1:
-            raise SettingsError(
-                f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
-            )
+    plates = {"flow_factor_xx": 1.0, "flow_factor_yy": 1.0}
+    by_cube = float(leak_columns(1.0, plates, **fluid | {"mean_free_path": None})["leak_rate_x"])
+    numbers = {"fluid_pressure": float(seal["pressure_difference"]), "leak_rate_by_cube": by_cube}
+    return leak_columns(columns["mean_gap"], columns, **fluid), numbers
 
 
 # variable -> the power of the conductance over the conductivity that it goes with
-_BY_CONDUCTANCE = {"contact_stiffness": 1, "thermal_conductance": 1, "electrical_conductance": 1}
-_BY_CONDUCTANCE |= {"thermal_resistance": -1, "electrical_resistance": -1}
+_BY_CONDUCTANCE = {
+    **dict.fromkeys(("contact_stiffness", "thermal_conductance", "electrical_conductance"), 1),
+    **dict.fromkeys(("thermal_resistance", "electrical_resistance"), -1),
+}
 
 
 def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
@@ -307,38 +300,35 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
     attrs = {key: text for key, text in budget.attrs.items() if key.startswith(("window_", "overview_"))}
-    suffix = "_as_solved"
-    corrected_names = [name.removesuffix(suffix) for name in map(str, budget) if name.endswith(suffix)]
-    statistics = statistics.assign({name: budget[f"{name}_estimate"].variable for name in corrected_names})
-    conductance = "conductance_per_conductivity"
-    ratio = xr.ones_like(statistics["mean_pressure"])
-    if conductance in corrected_names:  # by an overview; stiffness and resistances are the same number
-        ratio = statistics[conductance] / budget[f"{conductance}_as_solved"]
-        powers = {name: power for name, power in _BY_CONDUCTANCE.items() if name in statistics}
-        statistics = statistics.assign({name: statistics[name] * ratio ** powers[name] for name in powers})
-    if "max_pressure" in corrected_names and "max_pressure_over_modulus" in statistics:
-        relative = statistics["max_pressure"] / statistics["contact_modulus"]
-        statistics = statistics.assign(max_pressure_over_modulus=relative.variable)
-    complete = statistics.merge(budget, compat="override", join="override").assign_attrs(attrs)
+    corrected = [name.removesuffix(_AS_SOLVED) for name in map(str, budget) if name.endswith(_AS_SOLVED)]
+    estimates = {name: budget[f"{name}_estimate"].variable for name in corrected}
+    complete = statistics.assign(estimates).merge(budget, compat="override", join="override")
+    complete = complete.assign_attrs(attrs)
+    # by an overview; what is the same number in another unit follows
+    by_area, by_conductance = (
+        complete[name] / complete[f"{name}{_AS_SOLVED}"] if name in corrected else 1.0
+        for name in (AREA, CONDUCTANCE)
+    )
+    if CONDUCTANCE in corrected:
+        powers = {name: power for name, power in _BY_CONDUCTANCE.items() if name in complete}
+        complete = complete.assign({name: complete[name] * by_conductance ** powers[name] for name in powers})
+    if PEAK in corrected and "max_pressure_over_modulus" in complete:
+        relative = complete[PEAK] / complete["contact_modulus"]
+        complete = complete.assign(max_pressure_over_modulus=relative.variable)
+    if AREA in corrected:
+        # flash temperatures by the coefficient of friction that follows the area
+        heated = _FLASH_TEMPERATURES if "flash_temperature_by" in complete.attrs else ()
+        by_shear = [name for name in ("friction_coefficient", *heated) if name in complete]
+        complete = complete.assign({name: complete[name] * by_area for name in by_shear})
     # after the corrections, which the ends in other units follow
     bounds = _ends_in_other_units(complete) | _ends_of_the_leak(complete)
-    area, as_solved = "relative_contact_area", "relative_contact_area_as_solved"
-    correction = complete[area] / complete[as_solved] if as_solved in complete else 1.0
-    if "friction_coefficient" in complete and "relative_contact_area_lower" in complete:
-        by_area = complete["friction_coefficient"] * correction / complete[area]
-        friction = [by_area * complete[f"{area}{end}"] for end in ENDS]
-        friction[1:] = widened(friction, _factors(complete, "shear_strength"))
-        bounds |= {f"friction_coefficient{end}": bound for end, bound in zip(ENDS, friction, strict=True)}
-    if "flash_temperature_by" in complete.attrs:  # by that coefficient of friction
-        for name in ("mean_flash_temperature", "max_flash_temperature"):
-            bounds[name] = complete[name] * correction
     if "joint_conductance" in complete:  # its film has the resistance of the contact area
         spots, gas = complete["thermal_resistance"], complete["gas_conductance"]
         with np.errstate(divide="ignore"):  # full contact without a film
-            film = (1 / (complete["joint_conductance"] - gas) - spots * ratio) / correction
+            film = (1 / (complete["joint_conductance"] - gas) - spots * by_conductance) / by_area
             if "mean_gap_alone" in complete:  # the gap that an overview shows holds other gas
                 jump = complete.attrs.get("joint_temperature_jump", 0.0)
-                gas = gas * (complete["mean_gap_alone"] + jump) / (complete["mean_gap"] + jump)
+                gas = gas * (complete["mean_gap_alone"] + jump) / (complete[GAP] + jump)
             bounds |= {"gas_conductance": gas, "joint_conductance": 1 / (spots + film) + gas}
         bounds |= _ends_of_the_joint(complete.assign(bounds), film)
     return complete.assign(bounds)
@@ -349,15 +339,15 @@ def _ends_of_the_joint(statistics: xr.Dataset, film: xr.DataArray) -> dict[str, 
 
     They share their causes: more contact has a smaller gap. The gas conducts as 1/(ū + M) at the most.
     """
-    area, gap, resistance = "relative_contact_area", "mean_gap", "thermal_resistance"
-    if not {f"{name}{end}" for name in (area, gap, resistance) for end in ENDS[1:]} <= {*statistics}:
+    resistance = "thermal_resistance"
+    if not {f"{name}{end}" for name in (AREA, GAP, resistance) for end in ENDS[1:]} <= {*statistics}:
         return {}
     bounds, jump = {}, statistics.attrs.get("joint_temperature_jump", 0.0)
-    by_gas = statistics["gas_conductance"] * (statistics[gap] + jump)
+    by_gas = statistics["gas_conductance"] * (statistics[GAP] + jump)
     for end in ENDS[1:]:
         opposite = OPPOSITE_ENDS[end]
-        spots = statistics[f"{resistance}{opposite}"] + film * statistics[area] / statistics[f"{area}{end}"]
-        gas = by_gas / (statistics[f"{gap}{opposite}"] + jump)
+        spots = statistics[f"{resistance}{opposite}"] + film * statistics[AREA] / statistics[f"{AREA}{end}"]
+        gas = by_gas / (statistics[f"{GAP}{opposite}"] + jump)
         # without an end, nothing bounds spots or gap
         with np.errstate(divide="ignore"):
             bounds[f"joint_conductance{end}"] = (1 / spots).fillna(0.0) + gas.fillna(0.0)
@@ -372,25 +362,27 @@ def _factors(statistics: xr.Dataset, name: str) -> tuple[xr.DataArray | float, x
 
 
 def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Return the ends of the intervals of conductances and resistances: those of K/E* in other units."""
-    base = "conductance_per_conductivity"
+    """Return the ends of what is contact area or K/E* times a property of the bodies, and of resistances."""
+    lowest, most = _factors(statistics, "electrical_resistivity")
+    proportions = {
+        "thermal_conductance": (CONDUCTANCE, _factors(statistics, "thermal_conductivity")),
+        "electrical_conductance": (CONDUCTANCE, (1 / most, 1 / lowest)),
+        "friction_coefficient": (AREA, _factors(statistics, "shear_strength")),
+    }
     bounds: dict[str, xr.DataArray] = {}
-    for transport in ("thermal", "electrical"):
-        name = f"{transport}_conductance"
+    for name, (base, factors) in proportions.items():
         if not {name, f"{base}_lower"} <= {*statistics} or statistics[base].isnull().all():
             continue
-        # a conductance is K/E* times a property of the bodies: the same factor at value and ends
+        # the same factor at value and ends
         unit = statistics[name] / statistics[base]
-        factors = _factors(statistics, "thermal_conductivity")
-        if transport == "electrical":
-            lowest, most = _factors(statistics, "electrical_resistivity")
-            factors = 1 / most, 1 / lowest
         ends = (unit * statistics[f"{base}{end}"] for end in ENDS[1:])
         lower, upper = widened((statistics[name], *ends), factors)
         bounds |= {f"{name}_lower": lower, f"{name}_upper": upper}
-        # a conductance without an upper end leaves a resistance down to none
-        bounds[f"{transport}_resistance_lower"] = (1 / upper).fillna(0.0).where(lower.notnull())
-        bounds[f"{transport}_resistance_upper"] = (1 / lower).where(lower > 0)
+        if base == CONDUCTANCE:
+            resistance = name.replace("conductance", "resistance")
+            # a conductance without an upper end leaves a resistance down to none
+            bounds[f"{resistance}_lower"] = (1 / upper).fillna(0.0).where(lower.notnull())
+            bounds[f"{resistance}_upper"] = (1 / lower).where(lower > 0)
     return bounds
 
 
@@ -471,7 +463,7 @@ def surface_numbers(
     (['density', 'height_std', 'mean_height', 'mean_radius'], True)
     """
     # of a finite body the roughness alone is described, not its form
-    roughness = numbers_of_kind(height.attrs).roughness(height)
+    roughness = recover_roughness(height)
     power = wave_power(roughness.values)
     parameters = surface_statistics(roughness, power)
     elasticity = Elasticity(contact_modulus, medium=medium)
@@ -561,70 +553,30 @@ def surface_statistics(height: xr.DataArray, power: np.ndarray | None = None) ->
     }
 
 
-def theory_columns(
-    mean_pressure: np.ndarray,
-    height: xr.DataArray,
-    *,
-    contact_modulus: float,
-    rms_gradient: float,
-    summits: dict[str, float] | None = None,
-) -> dict[str, np.ndarray]:
-    """Return the relative pressure p' = p̄/(E* g) and the contact area of each theory at it.
+def _theory_columns(contact: xr.Dataset, surface: SurfaceNumbers) -> dict[str, np.ndarray]:
+    """Return the relative pressure p' = p̄/(E* g) of each load, and the contact area of each theory at it.
 
-    Parameters
-    ----------
-    mean_pressure : array (load), Pa
-    height : DataArray (y, x), m
-        periodic.
-    contact_modulus : float, Pa
-    rms_gradient : float
-        spectral, of the map.
-    summits : mapping, optional
-        of the map, from `summit_statistics`, where they are known already.
-
-    Returns
-    -------
-    dict
-        name -> array (load). NaN where a theory does not apply: those of asperities on a single row or
-        column, which has ridges and no summits, and where they exceed full contact. p' is infinite for a
-        flat map.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from roughcontact.surface.synthetic import rough_reference_surface
-    >>> height = rough_reference_surface(64)
-    >>> found = theory_columns(np.array([0.1]), height, contact_modulus=1.0, rms_gradient=0.5)
-    >>> f"p' = {found['relative_pressure'][0]:g}, Persson {found['area_persson'][0]:.4f}"
-    "p' = 0.2, Persson 0.3108"
+    NaN where a theory does not apply: all to others than endless half-spaces, those of asperities to a single
+    row or column, which has ridges and no summits, and where they exceed full contact. p' is infinite for a
+    flat map.
     """
+    kind, pressure = facts_of(contact.attrs), np.asarray(contact["mean_pressure"].values, float)
+    modulus, asperities = float(contact["contact_modulus"]), areal_only(contact["height"].shape)
     with np.errstate(divide="ignore"):  # of a flat map
-        relative = mean_pressure / np.float64(contact_modulus * rms_gradient)  # infinite of a flat map
-    asperities = areal_only(height.shape)  # a single row or column has ridges and no summits
-    summits = summit_statistics(height) if summits is None else summits
-    return {
-        "relative_pressure": relative,
+        relative = pressure / np.float64(modulus * surface.parameters["rms_gradient"])
+    areas = {
         "area_persson": theory.persson_area(relative),
         "area_xu": theory.xu_area(relative),
         "area_bush_gibson_thomas": asperities * theory.bush_gibson_thomas_area(relative),
         "area_greenwood_williamson": theory.greenwood_williamson_area(
-            mean_pressure, summits, contact_modulus=contact_modulus
+            pressure, surface.summits, contact_modulus=modulus
         ),
     }
-
-
-def _add_friction(
-    statistics: xr.Dataset, contact: xr.Dataset, friction: Mapping[str, Any] | None, bodies: Bodies | None
-) -> xr.Dataset:
-    """Return the statistics with the friction of each load, where it is asked for."""
-    if friction is not None:
-        frictions = [
-            friction_statistics(contact.isel(load=[load]), area, bodies, **friction)
-            for load, area in enumerate(statistics["relative_contact_area"].values)
-        ]
-        if frictions[0].variables:  # a coefficient alone adds nothing
-            statistics = statistics.merge(joined(frictions)).assign_attrs(frictions[0].attrs)
-    return statistics
+    if not (kind.has_theories and recorded_medium(contact.attrs).is_homogeneous):
+        areas = {name: np.full(pressure.shape, np.nan) for name in areas}
+    # that of the solution, whose gradient is summed in another order
+    of_solution = {name: contact[name].values for name in kind.scaled_columns if name in contact}
+    return {"relative_pressure": relative} | areas | of_solution
 
 
 def _one_load(
@@ -646,15 +598,15 @@ def _one_load(
     touching = pressure > 0
     contact_pressures = pressure[touching]
     points = contact_pressures.size
-    of_pressure = {
-        **({} if body is None else subsurface.stress_columns(pressure, steps, border=border, **body)),
-        "elastic_energy": elastic_energy(pressure, steps, elasticity),
-        "pressure_density": density(contact_pressures, edges["pressure"]),
-    }
-    of_carried = {
+    of_contact = {
         "mean_contact_pressure": contact_pressures.mean(),
         "max_pressure": contact_pressures.max(),
         "pressure_std": contact_pressures.std(),
+    }
+    of_map = {
+        **({} if body is None else subsurface.stress_columns(pressure, steps, border=border, **body)),
+        "elastic_energy": elastic_energy(pressure, steps, elasticity),
+        "pressure_density": density(contact_pressures, edges["pressure"]),
     }
     bearing = bearing_numbers(contact_pressures, contact_modulus=elasticity.modulus, hardness=hardness)
     at_hardness = None if hardness is None else carrying(pressure, hardness)
@@ -664,7 +616,7 @@ def _one_load(
     # within the contact the gap is rounding: the solver keeps its mean there at zero
     open_gap = np.where(touching, 0.0, gap)
     del gap
-    mean_gap = open_gap.mean()
+    of_contact["mean_gap"] = open_gap.mean()
     passage: dict[str, float] = percolation_columns(open_gap)
     if with_flow:  # imports sparse matrices, which takes as long as all other imports here
         from roughcontact.statistics.sealing.flow import flow_columns
@@ -676,8 +628,6 @@ def _one_load(
     # the contact of a body ends at its edges, that of a periodic map goes on beyond its seams
     area = np.pad(touching, border)
     patches = region_sizes(area) * point_area(touching.shape, steps)
-    of_points = partial(linear_response, touching, steps)
-    conductions = {name: of_points(conductor) for name, conductor in conducting.items()}
     columns = {
         "relative_contact_area": relative_contact_area(touching, border=border),
         "relative_contact_area_pixels": points / touching.size,
@@ -685,17 +635,20 @@ def _one_load(
         "contact_clusters": patches.size,
         "largest_patch_area": patches.max(initial=0.0),
         "contact_on_filled_points": np.count_nonzero(touching & filled_points) / points,
-        **of_carried,
-        "mean_gap": mean_gap,
+        **of_contact,
         **_stiffness(touching, at_hardness, steps, elasticity),
-        **{name: _inverse(conduction) for name, conduction in conductions.items()},
+        **{
+            name: _inverse(linear_response(touching, steps, conductor))
+            for name, conductor in conducting.items()
+        },
         **passage,
-        **of_pressure,
+        **of_map,
         "patch_area_density": density(patches, edges["patch"]),
         "gap_density": gap_density,
         **bearing,
     }
-    return columns | numbers_of_kind(contact.attrs).of_load(columns, contact, load)
+    of_kind = _OF_KINDS.get(facts_of(contact.attrs).name)
+    return columns | (of_kind(columns, contact, load) if of_kind else {})
 
 
 def _stiffness(

@@ -16,7 +16,6 @@ from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.io.instrument_kinds import PROBE, UNKNOWN, Kind, of_name
 from roughcontact.statistics.map_checks import Attributes
 from roughcontact.statistics.outcome import Check, not_made, passed, review
-from roughcontact.statistics.selected_loads import Statistics
 from roughcontact.surface.levelling.record import s_index
 from roughcontact.surface.roughness.traces import MAX_GRADIENT
 from roughcontact.surface.window.band import is_limited_by_grid, shortest_reliable_wave
@@ -177,7 +176,7 @@ def _wavelength_in_words(wavelength: float, window: Attributes) -> str:
     return f"{length} ({number(wavelength / pixel, digits=2)} pixels)" if pixel else length
 
 
-def isolated_peak(statistics: Statistics, window: Attributes) -> Check:
+def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
     """Check that no single summit stands far above all others and carries a pressure far above the mean."""
     if "summit_chance" not in window:
         return not_made("Not made: the map has no summit.")
@@ -199,7 +198,7 @@ def isolated_peak(statistics: Statistics, window: Attributes) -> Check:
     )
 
 
-def noise(statistics: Statistics, window: Attributes) -> Check:
+def noise(statistics: xr.Dataset, window: Attributes) -> Check:
     """Check that noise, `instrument_noise` (m) or a flat spectrum, makes up little of the gradient."""
     if "noise_floor" not in window:
         return not_made(_FEW_WAVES)

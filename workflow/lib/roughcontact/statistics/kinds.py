@@ -1,61 +1,22 @@
-"""What the numbers of each kind of problem are beside those of a periodic map, and which checks it has."""
+"""What the numbers of each kind of problem tell of it: the kind, loads in words, the size of its maps."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.finite_body import recover_roughness
-from roughcontact.arguments.kinds import FINITE_BODY, KIND_FACTS, PERIODIC_MAP, KindFacts, facts_of
+from roughcontact.arguments.kinds import KIND_FACTS, PERIODIC_MAP, KindFacts
 from roughcontact.arguments.quantities import Unit, pressure_unit, quantity
-from roughcontact.arguments.variables import Numbers
+from roughcontact.arguments.variables import Numbers, has_number
 from roughcontact.errors import SettingsError
-from roughcontact.statistics.finite_body import finite_body_columns, hertz_contact
-from roughcontact.statistics.outcome import CheckName
 
 _SAME_SIZE = 1e-6  # relative
 
 
-class KindNumbers(NamedTuple):
-    """What the numbers of a kind of problem are beside those of a periodic map, by default nothing."""
-
-    roughness: Callable[[xr.DataArray], xr.DataArray] = lambda height: height  # without the form of the body
-    smooth_contact: Callable[..., dict[str, float]] = lambda window, numbers, load: {}  # an ellipse
-    of_load: Callable[..., dict[str, Any]] = lambda columns, contact, load: {}  # which differ, or are added
-    omitted_checks: Collection[CheckName] = ()
-
-
-_OF_KINDS: Mapping[str, KindNumbers] = {
-    FINITE_BODY.name: KindNumbers(
-        recover_roughness,
-        hertz_contact,
-        finite_body_columns,
-        {  # of what a body whose form and edges are meant does not have
-            *(CheckName.PERIODIC_WINDOW, CheckName.WINDOW, CheckName.LONGEST_WAVE, CheckName.SAMPLE),
-            *(CheckName.LOAD_RANGE, CheckName.SLOPES, CheckName.STEEP_PLACES),
-        },
-    )
-}
-
-
-def numbers_of_kind(attrs: Mapping[str, Any]) -> KindNumbers:
-    """Return what is of the kind of problem that the attributes of a map or a result name."""
-    return _OF_KINDS.get(facts_of(attrs).name, KindNumbers())
-
-
 def facts_of_numbers(numbers: Numbers) -> KindFacts:
     """Return the facts of the kind of problem of numbers, by those that only one kind has."""
-    return next(
-        (
-            facts
-            for facts in KIND_FACTS
-            for name in facts.own_numbers[:1]
-            if name in numbers  # looked for first, as in `decisions`
-            if np.isfinite(np.asarray(numbers[name], float)).any()
-        ),
-        PERIODIC_MAP,
-    )
+    shown = (facts for facts in KIND_FACTS if facts.own_numbers and has_number(numbers, facts.own_numbers[0]))
+    return next(shown, PERIODIC_MAP)
 
 
 def reason_without_flow(numbers: Numbers) -> str:

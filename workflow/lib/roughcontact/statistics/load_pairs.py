@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from itertools import chain
 
 import numpy as np
+import numpy.typing as npt
 import scipy
 import xarray as xr
 
@@ -90,6 +91,24 @@ def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset
     solved = np.all([same_load(distinct[:, None], value).any(axis=1) for value in map_loads], axis=0)
     grid = np.geomspace(low, high, limit)
     return np.sort(np.r_[distinct[solved], grid[~same_load(grid[:, None], distinct[solved]).any(axis=1)]])
+
+
+def loads_reaching(goals: npt.ArrayLike, loads: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return the loads at which a number that rises with them first reaches goals; NaN beyond the loads.
+
+    Between two loads it is the power law through both.
+
+    Examples
+    --------
+    >>> loads_reaching([3.0, 5.0], np.array([1.0, 4.0]), np.array([2.0, 4.5])).round(2)
+    array([2., nan])
+    """
+    order = np.argsort(loads)
+    loads, values = loads[order], values[order]
+    # where it falls, what lower loads have reached counts
+    is_record = np.append(True, values[1:] > np.maximum.accumulate(values)[:-1])
+    logarithms = np.log(goals), np.log(values[is_record]), np.log(loads[is_record])
+    return np.exp(np.interp(*logarithms, left=np.nan, right=np.nan))
 
 
 def interpolated(map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np.ndarray:

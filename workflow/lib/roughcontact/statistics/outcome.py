@@ -3,7 +3,6 @@
 import re
 import textwrap
 from collections.abc import Iterable
-from enum import StrEnum
 from functools import partial
 from typing import NamedTuple
 
@@ -17,42 +16,13 @@ _MAX_SENTENCE_LENGTH = 200  # letters, in a list
 VERDICTS = {PASSED: "use", REVIEW: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
 
 
-class CheckName(StrEnum):
-    """Identifiers of the checks with the names that are shown and stored, by importance.
-
-    Errors of the map come before limits of the material.
-    """
-
-    UNITS = "Units"
-    HEIGHT_UNIT = "Height unit"
-    PIXEL_SIZE = "Pixel size"
-    FLUID = "Fluid"
-    FACES = "Faces"
-    LAY = "Lay"
-    SOLVER = "Solver"
-    OUTLIERS = "Outliers"
-    ISOLATED_PEAK = "Isolated peak"
-    MISSING_POINTS = "Missing points"
-    SLOPES = "Slopes"
-    STEEP_PLACES = "Steep places"
-    POINTS_IN_CONTACT = "Points in contact"
-    SMOOTHED = "Smoothed"
-    NOISE = "Noise"
-    QUANTISATION = "Quantisation"
-    RESOLUTION = "Resolution"
-    SCAN_LINES = "Scan lines"
-    FORM = "Form"
-    PERIODIC_WINDOW = "Periodic window"
-    LONGEST_WAVE = "Longest wave"
-    SAMPLE = "Sample"
-    BAND = "Band"
-    WINDOW = "Window"
-    LAYERS = "Layers"
-    LOCAL_SCALE = "Local scale"
-    MEAN_FREE_PATH = "Mean free path"
-    PLASTICITY = "Plasticity"
-    LOAD_RANGE = "Load range"
-    READING = "Reading the file"
+# names of the checks, by importance: errors of the map come before limits of the material
+IMPORTANCE = (
+    *("Units", "Height unit", "Pixel size", "Fluid", "Faces", "Lay", "Solver", "Outliers", "Isolated peak"),
+    *("Missing points", "Slopes", "Steep places", "Points in contact", "Smoothed", "Noise", "Quantisation"),
+    *("Resolution", "Scan lines", "Form", "Periodic window", "Longest wave", "Sample", "Band", "Window"),
+    *("Layers", "Local scale", "Mean free path", "Plasticity", "Load range", "Reading the file"),
+)
 
 
 class Check(NamedTuple):
@@ -96,7 +66,7 @@ def not_passed(checks: Iterable[Check]) -> list[Check]:
 
 
 def sort_by_importance(checks: Iterable[Check]) -> list[Check]:
-    """Return warnings and failed checks, failed ones first, each in the order of `CheckName`.
+    """Return warnings and failed checks, failed ones first, each in the order of `IMPORTANCE`.
 
     Examples
     --------
@@ -104,8 +74,7 @@ def sort_by_importance(checks: Iterable[Check]) -> list[Check]:
     >>> [check.name for check in sort_by_importance([flows, rejected, Check("Window", FAILED, "A step.")])]
     ['Window', 'Outliers', 'Plasticity']
     """
-    order = list(CheckName)
-    return sorted(checks, key=lambda check: (check.outcome != FAILED, order.index(CheckName(check.name))))
+    return sorted(checks, key=lambda check: (check.outcome != FAILED, IMPORTANCE.index(check.name)))
 
 
 def reason_text(check: Check, *, letters: int | None = None) -> str:

@@ -13,6 +13,7 @@ from roughcontact.arguments.maps import sides_around
 from roughcontact.arguments.stacks import layers_in, materials_in
 from roughcontact.contact.elasticity.layers import body_stack
 from roughcontact.contact.elasticity.subsurface import subsurface_stress, tresca, von_mises
+from roughcontact.statistics.load_pairs import loads_reaching
 
 # Depths in even steps of ln(1 + z/z0): in equal ratios, but for the first below the surface.
 _FINEST = 1 / 8  # z0, of a pixel
@@ -53,10 +54,11 @@ def interface_depths(body: Body) -> np.ndarray:
     return np.cumsum([float(layer["thickness"]) for layer in layers_in(body)])
 
 
-def interface_coordinates(body: Body) -> dict[Hashable, tuple]:
-    """Return the depths (m) of the lower faces of the layers of a body as a coordinate; of none without."""
-    depths = interface_depths(body)
-    return {"interface_depth": ("interface", depths)} if depths.size else {}
+def depth_coordinates(shape: Sequence[int], steps: tuple[float, float], body: Body) -> dict[Hashable, tuple]:
+    """Return `profile_depths` as a coordinate, and with layers the depths (m) of their lower faces."""
+    coordinates: dict[Hashable, tuple] = {"depth": ("depth", profile_depths(shape, steps, body))}
+    faces = interface_depths(body)
+    return coordinates | ({"interface_depth": ("interface", faces)} if faces.size else {})
 
 
 def strained_body(bodies: Bodies | None) -> Body | None:
@@ -239,17 +241,10 @@ def _material_maxima(
 
 def _reached(loads: np.ndarray, ratio: np.ndarray) -> float:
     """Return the load at which a stress over its limit is 1, NaN where no two loads have it between them."""
-    order = np.argsort(loads)
-    loads, ratio = loads[order], ratio[order]
     nearest = int(np.argmin(np.abs(ratio - 1)))
     if abs(ratio[nearest] - 1) < _FINE:  # a target of the loads, found to a tolerance
         return float(loads[nearest])
-    index = int(np.argmax(ratio >= 1))  # 0 also where none is
-    if index == 0:
-        return math.nan
-    pair = slice(index - 1, index + 1)
-    # a power of the load between two loads
-    return float(np.exp(np.interp(0.0, np.log(ratio[pair]), np.log(loads[pair]))))
+    return loads_reaching(1.0, loads, ratio).item()
 
 
 class _Largest(NamedTuple):

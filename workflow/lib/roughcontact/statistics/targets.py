@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -10,21 +10,28 @@ import xarray as xr
 
 from roughcontact.arguments.checking import check_choice, check_positive
 from roughcontact.arguments.choices import LoadTarget
+from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.si import as_si
 from roughcontact.arguments.stacks import bodies_for_solver, top_material
 from roughcontact.contact.loads import check_loads, plan_loads
 from roughcontact.contact.problem import nondimensionalise
-from roughcontact.contact.solve import solve_contact
+from roughcontact.contact.solve import MAX_LOAD, solve_contact
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.statistics import subsurface
 from roughcontact.statistics.contact_geometry import relative_contact_area
-from roughcontact.statistics.first_yield import first_yield_pressure
+from roughcontact.statistics.load_pairs import loads_reaching
 from roughcontact.statistics.sealing.connectivity import percolates
 from roughcontact.statistics.theory import xu_area
+from roughcontact.surface.roughness.parameters import rms_gradient
 
 TARGETS = ("target_area", "target_gap", "target")  # keys of the settings, as arguments of `target_loads`
 _SOLVER = ("tolerance", "influence", "precision")
 _CLOSE = 1e-4  # of the logarithm of the load, to which it is found
+_CLOSE_TO_YIELD = 3e-3  # logarithm of largest pressure over hardness at which the search ends
+_MAX_SOLVES = 40
+# of the largest pressure against the load, in logarithms: 1/3 of a single summit (Hertz), 1 of a single point
+_SLOPES = (0.05, 1.0)
 _MIN_LOAD = 0.01  # load in units of E* g over the number of points, which a single point carries
 _FULL = 50.0  # excess of full contact over any target, in the logarithm
 
@@ -57,11 +64,7 @@ def target_loads(
             "target_area and target_gap out and give mean_pressure in Pa"
         )
     unit = modulus * gradient
-
-    def state(load: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return pressure and gap at a load."""
-        return _state(window, load, contact_modulus=modulus, hardness=hardness, **solver)
-
+    state = partial(_state, window, contact_modulus=modulus, hardness=hardness, **solver)
     crossing = partial(_crossing, lower_limit=_MIN_LOAD * unit / window.size, limit=hardness)
 
     def area_excess(target_value: float, load: float) -> float:
@@ -139,7 +142,7 @@ def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: i
     return loads
 
 
-def _state(window: xr.DataArray, load: float, **solver: Any) -> tuple[np.ndarray, np.ndarray]:
+def _state(window: xr.DataArray, load: float, /, **solver: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return pressure and gap at a load."""
     solution = solve_contact(window, mean_pressure=load, on_failure="flag", **solver)
     return solution["pressure"].values[0], solution["gap"].values[0]
@@ -186,23 +189,20 @@ def _crossing(
     on the contact is full whatever the map; a `steady` excess is interpolated.
     """
 
+    @cache
     def value_at(logarithm: float) -> float:
         load = math.exp(logarithm)
         return _FULL if limit is not None and load >= limit else excess(load)
 
     step = math.log(2)
     low = high = math.log(start)
-    if value_at(low) < 0:
-        # by factors of two to a bracket
-        high += step
-        while value_at(high) < 0:
-            low, high = high, high + step
-    else:
-        low -= step
-        while value_at(low) >= 0:
-            if math.exp(low) < lower_limit:
-                return None
-            low, high = low - step, low
+    # by factors of two to a bracket
+    while value_at(low) >= 0:
+        if math.exp(low) < lower_limit:
+            return None
+        low, high = low - step, low
+    while high == low or value_at(high) < 0:
+        low, high = high, high + step
     if steady:  # a step has no root for an interpolation: it is bisected
         from scipy.optimize import brentq  # imported late: it takes longer than solving a small map
 
@@ -218,3 +218,143 @@ def _xu_load(area: float) -> float:
     from scipy.optimize import brentq
 
     return float(brentq(lambda load: float(xu_area(load)) - area, 0.0, 10.0)) if area < 0.999 else 1.5
+
+
+@as_si
+def first_yield_pressure(
+    window: xr.DataArray,
+    *,
+    contact_modulus: float,
+    hardness: float,
+    start: float | None = None,
+    tolerance: float = 1e-4,
+    **solver: Any,
+) -> float:
+    """Return the mean pressure at which the largest contact pressure reaches the hardness.
+
+    Below it the contact is elastic everywhere. It depends on the resolution of the map: the sharpest of its
+    highest summits decides, as the pixels resolve it.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic, no NaN, or a body of finite size (attribute `boundary`: free).
+    contact_modulus : float, Pa
+        E*.
+    hardness : float, Pa
+        H.
+    start : float, Pa, optional
+        an initial estimate of the mean pressure.
+    tolerance : float
+        of the solutions.
+    **solver
+        further arguments of `solve_contact`: `bodies`, `influence`, `precision`, `threads`.
+
+    Returns
+    -------
+    float, Pa
+        between H/N for N points, all of the load on one of them, and H, under which a flat map flows as a
+        whole.
+
+    Raises
+    ------
+    SettingsError
+        for a modulus or hardness that is no positive number.
+
+    Examples
+    --------
+    Under a wave the largest pressure is 2 √(p̄ p*), p* = π E* D/λ (Westergaard 1939).
+
+    >>> from roughcontact.surface.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 512), 1e-3 / 512, amplitude=1e-6, wavelength=1e-3)
+    >>> found = first_yield_pressure(wave, contact_modulus=1e9, hardness=2e6)
+    >>> print(f"{found / (2e6**2 / (4 * 3.14159e6)):.3f}")
+    1.000
+    """
+    modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
+    goal = check_positive("hardness", hardness, unit="Pa")
+    kind, area = facts_of(window.attrs), window.size * float(np.prod(spacing(window)))
+    # above it the solver has only rounding errors, and the pressure is that of a flat map
+    max_load = MAX_LOAD * modulus * rms_gradient(window) if kind.flat_map_is_uniform else np.inf
+
+    def excess(load: float) -> float:
+        """Return the logarithm of the largest pressure over the hardness."""
+        pressure = float(np.exp(load))
+        if pressure > max_load:
+            return load - float(np.log(goal))
+        solution = solve_contact(
+            window,
+            contact_modulus=modulus,
+            tolerance=tolerance,
+            on_failure="flag",
+            reduce=_largest,
+            **kind.arguments(pressure, area),
+            **solver,
+        )
+        # the logarithm is nearly linear in that of the load
+        return float(np.log(solution["max_pressure"].item() / goal))
+
+    # no point carries more than all of the load, and at least one carries the mean pressure
+    low, high = float(np.log(goal / window.size)), float(np.log(goal))
+    # without a start: nearer to the load that all points share than to that of one point
+    load = low + 0.7 * (high - low) if start is None else float(np.clip(np.log(start), low, high))
+    slope, previous, tried_loads = kind.power_of_largest_pressure, None, set()
+    for _ in range(_MAX_SOLVES):
+        excess_at_load = excess(load)
+        tried_loads.add(load)
+        low, high = (load, high) if excess_at_load < 0 else (low, load)
+        if previous is not None and load != previous[0]:
+            # a secant, within what slopes are possible
+            slope = float(np.clip((excess_at_load - previous[1]) / (load - previous[0]), *_SLOPES))
+        step = load - excess_at_load / slope
+        if abs(excess_at_load) < _CLOSE_TO_YIELD:
+            return float(np.exp(np.clip(step, low, high)))
+        previous = load, excess_at_load
+        load = float(np.clip(step, low, high))
+        if load in tried_loads:  # rounding repeats itself: halve the bracket
+            load = (low + high) / 2
+        if high - low < _CLOSE_TO_YIELD:
+            break
+    return float(np.exp((low + high) / 2))
+
+
+def add_first_yield(
+    statistics: xr.Dataset, window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1
+) -> xr.Dataset:
+    """Return the statistics with `first_yield_pressure` (Pa) of the solved map `window` (y, x; m).
+
+    It is left out where the contact of a finite body reaches the border of the map before.
+    Without a hardness, `first_yield_pressure_by_ratio` for each `hardness_over_modulus`, NaN beyond the
+    solved loads; of the settings `contact`, `tolerance`, `influence` and `precision` count.
+    """
+    modulus = float(statistics["contact_modulus"])
+    loads, largest = (statistics[name].values for name in ("mean_pressure", "max_pressure"))
+    if "hardness" not in statistics:
+        goals = statistics["hardness_over_modulus"].values * modulus
+        at_goals = loads_reaching(goals, loads, largest)
+        return statistics.assign(first_yield_pressure_by_ratio=("hardness_over_modulus", at_goals))
+    hardness, kind = float(statistics["hardness"]), facts_of(window.attrs)
+    elastic = loads[largest < hardness * (1 - _CLOSE_TO_YIELD)]
+    start = float(elastic.max()) if elastic.size else None
+    if start is None and kind.may_leave_map:
+        start = float(loads.min())
+    try:
+        pressures = first_yield_pressure(
+            window,
+            contact_modulus=modulus,
+            hardness=hardness,
+            start=start,
+            threads=threads,
+            **{key: contact[key] for key in _SOLVER if key in contact},
+            **bodies_for_solver(contact.get("bodies")),
+        )
+    except HeightMapError:
+        if not kind.may_leave_map:
+            raise
+        return statistics  # the contact leaves the map before
+    return statistics.assign(first_yield_pressure=pressures)
+
+
+def _largest(solution: xr.Dataset) -> xr.Dataset:
+    """Return the largest pressure of a load."""
+    return xr.Dataset({"max_pressure": solution["pressure"].max(("y", "x"))})

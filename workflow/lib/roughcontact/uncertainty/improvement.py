@@ -14,7 +14,6 @@ from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.arguments.quantities import Unit, counted_noun, percent, quantity
 from roughcontact.arguments.variables import names_asked
 from roughcontact.statistics.kinds import reason_without_flow
-from roughcontact.statistics.outcome import CheckName
 from roughcontact.statistics.precision import precision_in_words, relative_half_width
 from roughcontact.uncertainty.calibration import ALONE, scatter_between_maps, table
 from roughcontact.uncertainty.combination import SOURCES
@@ -154,9 +153,9 @@ def _advice(statistics: xr.Dataset) -> tuple[list[str], dict[str, str]]:
         advice["instrument"] = (  # of rounded heights, or a suspected noise
             "export the heights in finer steps, or measure the same place twice, which tells the noise"
         )
-    if CheckName.SMOOTHED in doubtful_checks:
+    if "Smoothed" in doubtful_checks:
         advice = dict.fromkeys(advice, "state the numerical aperture of the lens")
-    if CheckName.ISOLATED_PEAK not in doubtful_checks or "summit_x" not in attrs:
+    if "Isolated peak" not in doubtful_checks or "summit_x" not in attrs:
         return [], advice
     x, y = (quantity(float(attrs[f"summit_{axis}"]), "m") for axis in "xy")
     return [f"clean the summit at ({x}, {y})"], advice
