@@ -181,7 +181,7 @@ def test_resistances_are_those_of_the_conductances_with_their_ends():
     numbers = one_spot(1e-6, 2e-8).assign_coords(mean_pressure=("load", [1e6]))
     base = "conductance_per_conductivity"
     bounds = {f"{base}_lower": ("load", [0.0]), f"{base}_upper": 3 * numbers[base]}
-    columns = resistances_and_joint({name: values.values for name, values in numbers.items()}, {}, None)
+    columns = resistances_and_joint({name: values.values for name, values in numbers.items()}, None)
     numbers = numbers.assign(electrical_resistance=("load", columns["electrical_resistance"]))
     assert numbers["electrical_resistance"].item() * 1e8 == pytest.approx(2e-8 / (2 * 1e-6))
     budget = xr.Dataset(bounds, coords=numbers.coords)

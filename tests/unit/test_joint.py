@@ -38,7 +38,7 @@ def test_a_film_lies_in_series_with_the_spots_and_gas_beside_them():
     spots = {"thermal_conductance": np.array([2e4, np.inf])}
     columns = {"relative_contact_area": np.array([0.1, 1.0]), "gas_conductance": np.array([5e3, 0.0])}
     with_film, bare = (
-        resistances_and_joint(spots, columns, {"gas_conductivity": 0.026} | film)["joint_conductance"]
+        resistances_and_joint(spots | columns, {"gas_conductivity": 0.026} | film)["joint_conductance"]
         for film in ({"film_thickness": 1e-6, "film_conductivity": 2.0}, {})
     )
     np.testing.assert_allclose(with_film, [5e3 + 1 / (1 / 2e4 + 5e-7 / 0.1), 2e6])

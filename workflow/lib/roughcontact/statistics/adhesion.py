@@ -38,9 +38,8 @@ def adhesion_in_words(statistics: xr.Dataset) -> str:
     """Return in words whether surfaces stick by the balance of energies; empty without work of adhesion."""
     if "effective_work_of_adhesion" not in statistics:
         return ""
-    energy, remaining = (
-        float(statistics[name]) for name in ("conforming_energy", "effective_work_of_adhesion")
-    )
+    energy = float(statistics["conforming_energy"])
+    remaining = float(statistics["effective_work_of_adhesion"])
     work = energy + remaining
     paid = _ENERGY.text(work)
     if remaining > 0:  # a positive work is left

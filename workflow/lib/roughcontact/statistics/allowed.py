@@ -4,7 +4,7 @@ What may be allowed is a row of `arguments.answers.ALLOWED_VALUES`, what is a to
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,27 +17,16 @@ from roughcontact.statistics.kinds import reason_without_flow
 Ends = Sequence[npt.ArrayLike] | np.ndarray  # value, lower and upper end (load)
 
 
-class Comparison(NamedTuple):
-    """A number over the loads, compared with what is allowed.
+def compare(
+    load: npt.ArrayLike, ends: Ends, *, allowed: float, trend: int = -1
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return where a number is at most what is `allowed` (load), and from which load on, with its bounds (3).
 
-    Attributes
-    ----------
-    holds : array (load)
-        1 where the whole interval is at most what is allowed, 0 where it is above, else NaN.
-    crossing, lower, upper : float
-        the load from which on the number holds (up to which, if it rises), and the bounds of that load by the
-        interval. Beyond the loads nothing is known: the crossing is the first load where the number holds at
-        all of them, NaN where at none; the bounds are what the loads prove, else 0 or NaN.
-    """
-
-    holds: np.ndarray
-    crossing: float
-    lower: float
-    upper: float
-
-
-def compare(load: npt.ArrayLike, ends: Ends, *, allowed: float, trend: int = -1) -> Comparison:
-    """Return where a number over the loads is at most what is `allowed`, by its value, lower and upper end.
+    The first is 1 where the whole interval of the number, by its value, lower and upper end, is at most what
+    is allowed, 0 where it is above, else NaN. Then come the load from which on the number holds (up to which,
+    if it rises), and the bounds of that load by the interval. Beyond the loads nothing is known: the first of
+    these is the first load where the number holds at all of them, NaN where at none; the bounds are what the
+    loads prove, else 0 or NaN.
 
     It falls with the load, or another abscissa (`trend` -1), or rises (1): what one load decides, heavier or
     lighter ones share. An end that is not known bounds nothing. Between two loads it is the power law through
@@ -48,9 +37,9 @@ def compare(load: npt.ArrayLike, ends: Ends, *, allowed: float, trend: int = -1)
     A leak that falls as the square of the load, known to a factor 2, of which 1 is allowed:
 
     >>> load = np.array([1.0, 2.0, 4.0])
-    >>> found = compare(load, (4 / load**2, 2 / load**2, 8 / load**2), allowed=1.0)
-    >>> found.holds, [round(end, 2) for end in found[1:]]
-    (array([ 0., nan,  1.]), [2.0, 1.41, 2.83])
+    >>> holds, from_load = compare(load, (4 / load**2, 2 / load**2, 8 / load**2), allowed=1.0)
+    >>> holds, from_load.round(2)
+    (array([ 0., nan,  1.]), array([2.  , 1.41, 2.83]))
     """
     # from where it is least likely to hold to where it is most
     order = np.argsort(-trend * np.asarray(load, float), kind="stable")
@@ -63,10 +52,10 @@ def compare(load: npt.ArrayLike, ends: Ends, *, allowed: float, trend: int = -1)
     agree = (lower <= upper) & ~np.isnan(value)  # ends that contradict each other decide nothing
     holds[order] = np.where(agree & (upper <= allowed), 1.0, np.where(agree & (lower > allowed), 0.0, np.nan))
     everywhere, nowhere = (0.0, np.nan) if trend < 0 else (np.nan, 0.0)  # nothing bounds it beyond the loads
-    of_lower = _crossing(loads, lower, allowed, beyond=(everywhere, float(loads[-1])), side=0)
-    of_upper = _crossing(loads, upper, allowed, beyond=(float(loads[0]), nowhere))
-    crossing = _crossing(loads, value, allowed, beyond=(float(loads[0]), np.nan))
-    return Comparison(holds, crossing, *((of_lower, of_upper) if trend < 0 else (of_upper, of_lower)))
+    of_lower = _crossing(loads, lower, allowed, beyond=(everywhere, loads[-1]), side=0)
+    of_upper = _crossing(loads, upper, allowed, beyond=(loads[0], nowhere))
+    crossing = _crossing(loads, value, allowed, beyond=(loads[0], np.nan))
+    return holds, np.array([crossing, *((of_lower, of_upper) if trend < 0 else (of_upper, of_lower))])
 
 
 def _crossing(
@@ -122,15 +111,11 @@ def with_allowed(
             continue
         if allowed.answer == "sealing" and reason_without_flow(statistics):  # that is not judged
             continue
-        crossing = compare(
-            complete["mean_pressure"].values,
-            compared_ends(complete, name),
-            allowed=limit**allowed.sense,
-            trend=allowed.trend,
-        )
+        loads, ends = complete["mean_pressure"].values, compared_ends(complete, name)
+        holds, from_load = compare(loads, ends, allowed=limit**allowed.sense, trend=allowed.trend)
         # what the fluid lifts does not hold, whatever the gap without it
-        holds = np.where(is_lifted(complete, name), 0.0, crossing.holds)
-        from_load = np.maximum(crossing[1:], lifting_pressure(complete, name))
+        holds = np.where(is_lifted(complete, name), 0.0, holds)
+        from_load = np.maximum(from_load, lifting_pressure(complete, name))
         columns |= {f"allowed_{name}": limit, f"{name}_holds": ("load", holds)}
         columns |= {f"{name}_holds_from{end}": load for end, load in zip(ENDS, from_load, strict=True)}
     return complete.assign(columns)

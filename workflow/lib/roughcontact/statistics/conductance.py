@@ -118,21 +118,19 @@ def gas_columns(gap: np.ndarray, *, conductivity: float, jump: float) -> dict[st
 
 
 def resistances_and_joint(
-    conductances: dict[str, np.ndarray],
-    columns: Mapping[str, np.ndarray],
-    joint: Mapping[str, float | None] | None,
+    columns: Mapping[str, np.ndarray], joint: Mapping[str, float | None] | None
 ) -> dict[str, np.ndarray]:
-    """Return all columns with conductances by area, their resistances, and with a joint its own.
+    """Return the resistances of the conductances by area among columns, and with a joint its own.
 
-    Spots are in series with a film on their area, and gas beside them; `columns` has `gas_conductance`,
-    `relative_contact_area`, and the conductances of bodies with layers.
+    Spots are in series with a film on their area, and gas beside them; `columns` has `gas_conductance` and
+    `relative_contact_area`.
     """
-    results = {**columns, **conductances}
+    results: dict[str, np.ndarray] = {}
     with np.errstate(divide="ignore"):
         for transport in _TRANSPORTS:
-            if f"{transport}_conductance" in results:
-                results[f"{transport}_resistance"] = 1 / results[f"{transport}_conductance"]
-        if joint and {"thermal_resistance", "gas_conductance"} <= results.keys():
+            if f"{transport}_conductance" in columns:
+                results[f"{transport}_resistance"] = 1 / columns[f"{transport}_conductance"]
+        if joint and "thermal_resistance" in results and "gas_conductance" in columns:
             # in a film over the contact all heat passes through the area that touches
             film = (joint.get("film_thickness") or 0.0) / (joint.get("film_conductivity") or 1.0)
             resistance = results["thermal_resistance"] + film / columns["relative_contact_area"]

@@ -76,9 +76,8 @@ def overcount(statistics: Numbers) -> np.ndarray:
     >>> overcount(xr.Dataset(areas)).round(3)
     array([0.1])
     """
-    pixel_area, corrected_area = (
-        np.asarray(statistics[f"relative_contact_area{ending}"]) for ending in ("_pixels", "")
-    )
+    pixel_area = np.asarray(statistics["relative_contact_area_pixels"])
+    corrected_area = np.asarray(statistics["relative_contact_area"])
     touching = corrected_area > 0
     # no corrected area is left of patches of single points
     return np.where(touching, pixel_area / np.where(touching, corrected_area, 1.0) - 1, np.inf)
@@ -268,10 +267,8 @@ def local_scale(statistics: xr.Dataset) -> Check | None:
     # the least approach: under the smallest force roughness is largest against the form
     ratio = float(statistics["rms_height"] / statistics["hertz_approach"].min())
     share = float(last["local_contact_area"] / (np.pi * last["hertz_radius"] ** 2))
-    force, radius, gap = (
-        quantity(float(last[name]), unit)
-        for name, unit in (("force", "N"), ("hertz_radius", "m"), ("local_mean_gap", "m"))
-    )
+    force, radius = quantity(float(last["force"]), "N"), quantity(float(last["hertz_radius"]), "m")
+    gap = quantity(float(last["local_mean_gap"]), "m")
     text = (
         "Each place of the smooth contact (Hertz) has the contact of this map under the nominal pressure "
         f"there: at {force}, radius {radius}, {percent(share)} of the area and a mean gap of {gap}. "

@@ -22,17 +22,15 @@ from roughcontact.contact.dataset import carrying, joined, recorded_elasticity, 
 from roughcontact.contact.elasticity.energy import elastic_energy
 from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.elasticity.media import elastic_medium
-from roughcontact.contact.elasticity.medium import HALF_SPACES, Medium
 from roughcontact.contact.response import certified_response, linear_response
 from roughcontact.errors import SettingsError
 from roughcontact.kernels.waves import wave_power
 from roughcontact.statistics import conductance, densities, subsurface, theory
 from roughcontact.statistics.adhesion import adhesion_numbers
-from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers
 from roughcontact.statistics.conductance import Bodies
 from roughcontact.statistics.contact_geometry import contact_perimeter, point_area, relative_contact_area
 from roughcontact.statistics.decisions import TIGHT, gap_is_closed, is_lifted
-from roughcontact.statistics.densities import density, logarithmic_edges
+from roughcontact.statistics.densities import bearing_numbers, density, logarithmic_edges
 from roughcontact.statistics.finite_body import finite_body_columns
 from roughcontact.statistics.friction import friction_statistics
 from roughcontact.statistics.precision import widened
@@ -173,9 +171,7 @@ def contact_statistics(
     steps = spacing(height)
     mean_pressure = np.asarray(contact["mean_pressure"].values, float)
     if surface is None:
-        surface = surface_numbers(
-            height, contact_modulus=modulus, work_of_adhesion=work_of_adhesion, medium=medium
-        )
+        surface = surface_numbers(height, Elasticity(modulus, medium=medium), work_of_adhesion)
         warn_of_map(height.shape, surface.parameters["rms_gradient"])
     parameters = dict(surface.parameters)
     # a flat map has neither gradient nor heights to set the scale of the bins
@@ -196,10 +192,10 @@ def contact_statistics(
     ]
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
-    conductances = conductance.conductance_columns(
+    columns |= conductance.conductance_columns(
         columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies, medium=medium
     )
-    columns = conductance.resistances_and_joint(conductances, columns, joint)
+    columns |= conductance.resistances_and_joint(columns, joint)
     if seal is not None and with_flow:
         leaks, numbers_of_seal = _leaks(columns, seal)
         columns |= leaks
@@ -223,14 +219,14 @@ def contact_statistics(
             columns[f"max_von_mises_{axis}"] += height[axis].values[0] if height[axis].size > 1 else np.nan
         attrs["stresses_of"] = subsurface.strained_body_in_words(bodies or ())
     if "hardness" not in contact:
-        coordinates["hardness_over_modulus"] = ("hardness_over_modulus", np.array(HARDNESS_OVER_MODULUS))
+        coordinates["hardness_over_modulus"] = (
+            "hardness_over_modulus",
+            densities.HARDNESS_OVER_MODULUS,
+        )
     variables = {name: (("load", *_FURTHER_DIM.get(name, ())), values) for name, values in columns.items()}
     material = {name: float(contact[name]) for name in ("contact_modulus", "hardness") if name in contact}
-    material |= {
-        f"{name}{suffix}": value
-        for name, values in conductance.conductivity_ranges(bodies).items()
-        for suffix, value in zip(ENDS, values, strict=True)
-    }
+    for name, values in conductance.conductivity_ranges(bodies).items():
+        material |= {f"{name}{end}": value for end, value in zip(ENDS, values, strict=True)}
     statistics = xr.Dataset(variables | parameters | material, coordinates, attrs)
     if friction is not None:
         frictions = [
@@ -322,36 +318,36 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
         complete = complete.assign({name: complete[name] * by_area for name in by_shear})
     # after the corrections, which the ends in other units follow
     bounds = _ends_in_other_units(complete) | _ends_of_the_leak(complete)
-    if "joint_conductance" in complete:  # its film has the resistance of the contact area
-        spots, gas = complete["thermal_resistance"], complete["gas_conductance"]
-        with np.errstate(divide="ignore"):  # full contact without a film
-            film = (1 / (complete["joint_conductance"] - gas) - spots * by_conductance) / by_area
-            if "mean_gap_alone" in complete:  # the gap that an overview shows holds other gas
-                jump = complete.attrs.get("joint_temperature_jump", 0.0)
-                gas = gas * (complete["mean_gap_alone"] + jump) / (complete[GAP] + jump)
-            bounds |= {"gas_conductance": gas, "joint_conductance": 1 / (spots + film) + gas}
-        bounds |= _ends_of_the_joint(complete.assign(bounds), film)
+    if "joint_conductance" in complete:
+        bounds |= _joint(complete.assign(bounds), by_area, by_conductance)
     return complete.assign(bounds)
 
 
-def _ends_of_the_joint(statistics: xr.Dataset, film: xr.DataArray) -> dict[str, xr.DataArray]:
-    """Return the ends of the conductance of a joint: those of spots, film (its resistance) and gas together.
+def _joint(
+    statistics: xr.Dataset, by_area: xr.DataArray | float, by_conductance: xr.DataArray | float
+) -> dict[str, xr.DataArray]:
+    """Return the conductance of a joint with its ends: those of spots, film and gas together.
 
-    They share their causes: more contact has a smaller gap. The gas conducts as 1/(ū + M) at the most.
+    They share their causes: more contact has a smaller gap. The gas conducts as 1/(ū + M) at the most, the
+    film as the contact area. `by_area` and `by_conductance` are what the corrections of both have multiplied.
     """
-    resistance = "thermal_resistance"
-    if not {f"{name}{end}" for name in (AREA, GAP, resistance) for end in ENDS[1:]} <= {*statistics}:
-        return {}
-    bounds, jump = {}, statistics.attrs.get("joint_temperature_jump", 0.0)
-    by_gas = statistics["gas_conductance"] * (statistics[GAP] + jump)
-    for end in ENDS[1:]:
-        opposite = OPPOSITE_ENDS[end]
-        spots = statistics[f"{resistance}{opposite}"] + film * statistics[AREA] / statistics[f"{AREA}{end}"]
-        gas = by_gas / (statistics[f"{GAP}{opposite}"] + jump)
-        # without an end, nothing bounds spots or gap
-        with np.errstate(divide="ignore"):
-            bounds[f"joint_conductance{end}"] = (1 / spots).fillna(0.0) + gas.fillna(0.0)
-    return bounds
+    spots, gas = statistics["thermal_resistance"], statistics["gas_conductance"]
+    jump = statistics.attrs.get("joint_temperature_jump", 0.0)
+    with np.errstate(divide="ignore"):  # full contact without a film
+        film = (1 / (statistics["joint_conductance"] - gas) - spots * by_conductance) / by_area
+        if "mean_gap_alone" in statistics:  # the gap that an overview shows holds other gas
+            gas = gas * (statistics["mean_gap_alone"] + jump) / (statistics[GAP] + jump)
+        results = {"gas_conductance": gas, "joint_conductance": 1 / (spots + film) + gas}
+        for end in ENDS[1:]:
+            opposite = OPPOSITE_ENDS[end]
+            names = f"{AREA}{end}", f"{GAP}{opposite}", f"thermal_resistance{opposite}"
+            if {*names} <= {*statistics}:
+                area, gap, spots_at_end = (statistics[name] for name in names)
+                of_spots = 1 / (spots_at_end + film * statistics[AREA] / area)
+                of_gas = gas * (statistics[GAP] + jump) / (gap + jump)
+                # without an end, nothing bounds spots or gap
+                results[f"joint_conductance{end}"] = of_spots.fillna(0.0) + of_gas.fillna(0.0)
+    return results
 
 
 def _factors(statistics: xr.Dataset, name: str) -> tuple[xr.DataArray | float, xr.DataArray | float]:
@@ -432,11 +428,7 @@ class SurfaceNumbers(NamedTuple):
 
 
 def surface_numbers(
-    height: xr.DataArray,
-    *,
-    contact_modulus: float,
-    work_of_adhesion: float | None = None,
-    medium: Medium = HALF_SPACES,
+    height: xr.DataArray, elasticity: Elasticity, work_of_adhesion: float | None = None
 ) -> SurfaceNumbers:
     """Return the numbers of a map that the statistics of all its loads share.
 
@@ -444,12 +436,10 @@ def surface_numbers(
     ----------
     height : DataArray (y, x), m
         periodic.
-    contact_modulus : float, Pa
-        E*.
+    elasticity : Elasticity
+        E*, that of the surfaces of the bodies, and their medium.
     work_of_adhesion : float, J/m2, optional
         of flat surfaces.
-    medium : Medium, optional
-        of the bodies; E* is that of their surfaces.
 
     Returns
     -------
@@ -458,7 +448,7 @@ def surface_numbers(
     Examples
     --------
     >>> from roughcontact.surface.synthetic import rough_reference_surface
-    >>> found = surface_numbers(rough_reference_surface(64), contact_modulus=1.0)
+    >>> found = surface_numbers(rough_reference_surface(64), Elasticity(1.0))
     >>> sorted(found.summits), "conforming_energy" in found.parameters
     (['density', 'height_std', 'mean_height', 'mean_radius'], True)
     """
@@ -466,7 +456,6 @@ def surface_numbers(
     roughness = recover_roughness(height)
     power = wave_power(roughness.values)
     parameters = surface_statistics(roughness, power)
-    elasticity = Elasticity(contact_modulus, medium=medium)
     parameters |= adhesion_numbers(roughness, elasticity, work_of_adhesion=work_of_adhesion, power=power)
     del power
     return SurfaceNumbers(parameters, summit_statistics(roughness), float(np.ptp(height.values)))
@@ -504,12 +493,8 @@ def statistics_function(
     # named once for all loads, and for the medium below
     if settings.get("bodies"):
         settings["bodies"] = named_bodies(settings["bodies"])
-    surface = surface_numbers(
-        height,
-        contact_modulus=contact_modulus,
-        work_of_adhesion=settings.get("work_of_adhesion"),
-        medium=elastic_medium(settings.get("bodies")),
-    )
+    elasticity = Elasticity(contact_modulus, medium=elastic_medium(settings.get("bodies")))
+    surface = surface_numbers(height, elasticity, settings.get("work_of_adhesion"))
     return partial(contact_statistics, surface=surface, **settings)
 
 

@@ -5,7 +5,7 @@ how often the checks flag maps is in `benchmarks/results/instrument_checks.csv`.
 """
 
 import re
-from typing import NamedTuple
+from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
@@ -79,77 +79,59 @@ def smoothed(window: Attributes) -> Check:
         return not_made(_PERIODIC_MAP)
     if "spectrum_exponent" not in window:
         return not_made(_FEW_WAVES)
-    traces = [*filter(None, (_shape_of_spectrum(window), _blunt_peaks(window), _repeated_heights(window)))]
+    traces = [*_traces(window)]
     # what is stated already is no reason to ask again
-    if open_traces := [trace for trace in traces if trace.remedies]:
-        remedies = ", or ".join(dict.fromkeys(remedy for trace in open_traces for remedy in trace.remedies))
-        sentence, *further = [f"{trace.sentence}." for trace in open_traces]
+    if open_traces := [(sentence, remedies) for sentence, remedies in traces if remedies]:
+        remedies = ", or ".join(dict.fromkeys(remedy for _, of_trace in open_traces for remedy in of_trace))
+        finding, *further = [f"{sentence}." for sentence, _ in open_traces]
         return review(
-            sentence,
+            finding,
             explanation=" ".join([*further, f"{_SMOOTHED_MEANS}."]),
             advice=f"{remedies[0].upper()}{remedies[1:]}.",
         )
     if traces:
-        return passed(". ".join(trace.sentence for trace in traces) + ".")
+        return passed(". ".join(sentence for sentence, _ in traces) + ".")
     return passed(f"The spectrum reaches down to the pixels: its steepest fall is {_exponent(window)}.")
 
 
-class _Trace(NamedTuple):
-    """What an instrument left in a map, and what the user can do; nothing where it is stated."""
-
-    sentence: str
-    remedies: tuple[str, ...] = ()
-
-
-def _shape_of_spectrum(window: Attributes) -> _Trace | None:
-    """Return the trace of a spectrum that ends or bends down before the pixels."""
+def _traces(window: Attributes) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield what an instrument left in a map, and what the user can do; nothing where it is stated."""
     limit = _removed_below(window)
     if window["spectrum_exponent"] < SPECTRUM_ENDS:
-        spectrum_end = window["spectrum_end"]
-        if spectrum_end <= limit:
-            return _Trace(f"Waves below {quantity(spectrum_end, 'm', digits=2)} are missing, as stated")
-        return _Trace(
-            f"No waves were measured below {_wavelength_in_words(spectrum_end, window)}: the spectrum ends "
-            f"there, falling as {_exponent(window)}. A lens, a filter of the instrument's software or "
-            "interpolation does this; of surfaces only one without any shorter waves",
-            (_UNFILTERED, _RESOLVED),
+        spectrum_end, pixel = window["spectrum_end"], window.get("pixel_pitch", 0.0)
+        length = quantity(spectrum_end, "m", digits=2)
+        pixels = f" ({number(spectrum_end / pixel, digits=2)} pixels)" if pixel else ""
+        sentence = (
+            f"No waves were measured below {length}{pixels}: the spectrum ends there, falling as "
+            f"{_exponent(window)}. A lens, a filter of the instrument's software or interpolation does this; "
+            "of surfaces only one without any shorter waves"
         )
-    if window.get("spectrum_bend", 0.0) < BENT:
-        if window["pixel_pitch"] <= limit:
-            return _Trace("The shortest waves are too low, as stated")
-        return _Trace(
+        stated = f"Waves below {length} are missing, as stated"
+        yield (stated, ()) if spectrum_end <= limit else (sentence, (_UNFILTERED, _RESOLVED))
+    elif window.get("spectrum_bend", 0.0) < BENT:
+        sentence = (
             "The shortest waves are too low: in its last octave the spectrum falls more steeply than in the "
             f"one before, its exponent by {number(-window['spectrum_bend'], digits=2)} or more. A lens that "
-            "resolves little more than the pixels does this",
-            (_RESOLVED,),
+            "resolves little more than the pixels does this"
         )
-    return None
-
-
-def _blunt_peaks(window: Attributes) -> _Trace | None:
-    """Return the trace of a tip."""
-    if window["rounded_peaks"] <= ROUNDED:
-        return None
-    radius = window["sharpest_peak_radius"]
-    # half the radius: its estimate from the sharpest peaks is coarse
-    if (Instrument.read(window).tip_radius or 0.0) > radius / 2:
-        return _Trace("Peaks are rounded, as the stated tip radius says")
-    return _Trace(
-        f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more, and valleys are "
-        "sharp: the tip of a stylus or probe does this",
-        ("state the tip (instrument.tip_radius)",),
-    )
-
-
-def _repeated_heights(window: Attributes) -> _Trace | None:
-    """Return the trace of a median filter, which no setting states."""
-    if window.get("repeated_heights", 0.0) <= REPEATED:
-        return None
-    return _Trace(
-        "Neighbouring points often have exactly the same height: a median filter does this, and leaves "
-        "little of waves below about five pixels",
-        (_UNFILTERED,),
-    )
+        stated = "The shortest waves are too low, as stated"
+        yield (stated, ()) if window["pixel_pitch"] <= limit else (sentence, (_RESOLVED,))
+    if window["rounded_peaks"] > ROUNDED:
+        radius = window["sharpest_peak_radius"]
+        sentence = (
+            f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more, and valleys are "
+            "sharp: the tip of a stylus or probe does this"
+        )
+        # half the radius: its estimate from the sharpest peaks is coarse
+        is_stated = (Instrument.read(window).tip_radius or 0.0) > radius / 2
+        stated = "Peaks are rounded, as the stated tip radius says"
+        yield (stated, ()) if is_stated else (sentence, ("state the tip (instrument.tip_radius)",))
+    if window.get("repeated_heights", 0.0) > REPEATED:  # which no setting states
+        sentence = (
+            "Neighbouring points often have exactly the same height: a median filter does this, and leaves "
+            "little of waves below about five pixels"
+        )
+        yield sentence, (_UNFILTERED,)
 
 
 def _exponent(window: Attributes) -> str:
@@ -167,13 +149,6 @@ def _removed_below(window: Attributes) -> float:
     limits.append(s_index(window))
     # an end is found to half an octave
     return float(np.sqrt(2) * max(limits))
-
-
-def _wavelength_in_words(wavelength: float, window: Attributes) -> str:
-    """Return a wavelength in words, in pixels too where their size is known."""
-    length = quantity(wavelength, "m", digits=2)
-    pixel = window.get("pixel_pitch", 0.0)
-    return f"{length} ({number(wavelength / pixel, digits=2)} pixels)" if pixel else length
 
 
 def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:

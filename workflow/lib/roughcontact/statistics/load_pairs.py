@@ -101,13 +101,14 @@ def loads_reaching(goals: npt.ArrayLike, loads: np.ndarray, values: np.ndarray) 
     Examples
     --------
     >>> loads_reaching([3.0, 5.0], np.array([1.0, 4.0]), np.array([2.0, 4.5])).round(2)
-    array([2., nan])
+    array([ 2., nan])
     """
     order = np.argsort(loads)
     loads, values = loads[order], values[order]
     # where it falls, what lower loads have reached counts
     is_record = np.append(True, values[1:] > np.maximum.accumulate(values)[:-1])
-    logarithms = np.log(goals), np.log(values[is_record]), np.log(loads[is_record])
+    with np.errstate(divide="ignore"):  # of a number that is zero at all loads
+        logarithms = np.log(goals), np.log(values[is_record]), np.log(loads[is_record])
     return np.exp(np.interp(*logarithms, left=np.nan, right=np.nan))
 
 

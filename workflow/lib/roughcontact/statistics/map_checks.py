@@ -288,10 +288,8 @@ def lay(statistics: xr.Dataset, window: Attributes) -> Check | None:
         return None
     comparison = ""
     if "relative_contact_area_if_isotropic" in statistics:
-        ridges, isotropic = (
-            ", ".join(percent(area) for area in statistics[f"relative_contact_area{suffix}"].values)
-            for suffix in ("", "_if_isotropic")
-        )
+        ridges = ", ".join(map(percent, statistics["relative_contact_area"].values))
+        isotropic = ", ".join(map(percent, statistics["relative_contact_area_if_isotropic"].values))
         comparison = (
             f"Contact area of endless ridges, as shown: {ridges}; of an isotropic surface: {isotropic}."
         )

@@ -107,57 +107,20 @@ def bush_gibson_thomas_area(relative_pressure: ArrayLike) -> np.ndarray:
     return np.where(area <= 1, area, np.nan)  # beyond full contact the theory means nothing
 
 
-def greenwood_williamson_curve(
-    summits: dict[str, float], *, contact_modulus: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean pressure and contact area of independent equal spheres with Gaussian heights.
-
-    With t the separation over the spread s of the summit heights, η their density, R the tip radius and
-    F_n(t) = ∫_0^∞ uⁿ φ(t + u) du:  A = π η R s F_1(t),  p̄ = (4/3) E* η √R s^(3/2) F_{3/2}(t) [1]_.
-
-    Parameters
-    ----------
-    summits : dict
-        `density` (m-2), `mean_radius` (m), `height_std` (m), as `roughness.summits.summit_statistics`
-        returns it.
-    contact_modulus : float, Pa
-
-    Returns
-    -------
-    mean_pressure : array (n), Pa
-        rising.
-    area : array (n)
-        relative contact area, not limited to 1.
-
-    References
-    ----------
-    .. [1] Greenwood and Williamson (1966), Proc. R. Soc. A 295, 300.
-
-    Examples
-    --------
-    From 1 kPa to 2 MPa the mean pressure over the contact rises by a quarter.
-
-    >>> summits = {"density": 2e9, "mean_radius": 4e-5, "height_std": 3e-7}
-    >>> pressure, area = greenwood_williamson_curve(summits, contact_modulus=1e11)
-    >>> [f"{pressure[i] / area[i]:.2g} Pa at {pressure[i]:.1g} Pa" for i in (800, 1000)]
-    ['2.3e+09 Pa at 1e+03 Pa', '2.9e+09 Pa at 2e+06 Pa']
-    """
-    density, radius, spread = (summits[name] for name in ("density", "mean_radius", "height_std"))
-    area = np.pi * density * radius * spread * _gaussian_moments(1.0)
-    pressure = 4 / 3 * contact_modulus * density * np.sqrt(radius) * spread**1.5
-    return pressure * _gaussian_moments(1.5), area
-
-
 def greenwood_williamson_area(
     mean_pressure: ArrayLike, summits: dict[str, float], *, contact_modulus: float
 ) -> np.ndarray:
-    """Return the relative contact area after Greenwood and Williamson [1]_ at the given mean pressures.
+    """Return the relative contact area of independent equal spheres with Gaussian heights [1]_.
+
+    With t the separation over the spread s of the summit heights, η their density, R the tip radius and
+    F_n(t) = ∫_0^∞ uⁿ φ(t + u) du:  A = π η R s F_1(t),  p̄ = (4/3) E* η √R s^(3/2) F_{3/2}(t).
 
     Parameters
     ----------
     mean_pressure : array-like, Pa
     summits : dict
-        as `roughness.summits.summit_statistics` returns it.
+        `density` (m-2), `mean_radius` (m), `height_std` (m), as `roughness.summits.summit_statistics`
+        returns it.
     contact_modulus : float, Pa
 
     Returns
@@ -177,9 +140,11 @@ def greenwood_williamson_area(
     array([0.00036, 0.00316, 0.16895])
     """
     mean_pressure = np.asarray(mean_pressure, float)
-    if not (summits["height_std"] > 0 and summits["mean_radius"] > 0):
+    density, radius, spread = (summits[name] for name in ("density", "mean_radius", "height_std"))
+    if not (spread > 0 and radius > 0):
         return np.full(mean_pressure.shape, np.nan)
-    pressure, area = greenwood_williamson_curve(summits, contact_modulus=contact_modulus)
+    area = np.pi * density * radius * spread * _gaussian_moments(1.0)
+    pressure = 4 / 3 * contact_modulus * density * np.sqrt(radius) * spread**1.5 * _gaussian_moments(1.5)
     with np.errstate(divide="ignore"):
         load = np.log(mean_pressure)
     # in logarithms both curves are nearly straight; no extrapolation
