@@ -212,7 +212,7 @@ def per_load(modulus, mean, largest, **further):
         (1.154e11, [0.017, 0.087], [0.08, 0.214], REVIEW, "At every load metals would flow"),
         (1.154e11, [0.005, 0.0101], [0.01, 0.03], REVIEW, "At 1 of 2 loads, from 2.00 MPa on, metals"),
         (1.154e11, [0.005, 0.01], [0.01, 0.0301], REVIEW, "from 2.00 MPa on"),
-        (1.154e11, [0.005, 0.01], [0.01, 0.03], NOT_MADE, "Not made, no hardness is stated"),
+        (1.154e11, [0.005, 0.01], [0.01, 0.03], NOT_MADE, "Not made: no hardness is stated"),
         (1.154e11, 1e-5, 1e-4, NOT_MADE, "State the hardness"),
         (1.154e11, [0.05, 0.101], [0.1, 0.2], FAILED, "from 2.00 MPa on, the contact is beyond what any"),
         (1e8, 0.05, 0.1, REVIEW, "At 1.00 MPa metals would flow"),

@@ -146,17 +146,17 @@ def _check_by_classes(statistics: xr.Dataset) -> Check:
         f"{number(largest.max(), digits=2)} E*"
     )
     limits = "{:g} to {:g} E*".format(*materials.METALS)
-    not_stated = "Not made, no hardness is stated"
+    not_stated = "no hardness is stated"
     state = "State the hardness (contact.hardness, or that of the bodies)."
     if rubber_like(statistics):
         if mean.max() > 1:  # rubber is elastic to large strains, but not beyond its own modulus
             return review(f"More than rubber bears: {figures}.")
-        text = f"{not_stated}: {figures}; rubber-like solids (E* below {_RUBBER}) bear that."
+        text = f"{not_stated}; {figures}; rubber-like solids (E* below {_RUBBER}) bear that."
         metals_flow = mean.max() > materials.METALS[0] or largest.max() > materials.METALS[1]
         # the modulus of a gel may be one in MPa that was taken for Pa
         if modulus < materials.GEL and metals_flow:
             text = (
-                f"{not_stated}: {figures}; gels bear that, and E* = {quantity(modulus, 'Pa')} is that of "
+                f"{not_stated}; {figures}; gels bear that, and E* = {quantity(modulus, 'Pa')} is that of "
                 f"one. If it was given in MPa, it is {quantity(1e6 * modulus, 'Pa')}, and metals flow there."
             )
         return not_made(text)
@@ -174,7 +174,7 @@ def _check_by_classes(statistics: xr.Dataset) -> Check:
             explanation="No hardness is stated, and the result is elastic whatever the pressure.",
             advice=state,
         )
-    return not_made(f"{not_stated}: {figures}; metals flow at {limits}.", advice=state)
+    return not_made(f"{not_stated}; {figures}; metals flow at {limits}.", advice=state)
 
 
 def rubber_like(statistics: Numbers) -> bool:
@@ -287,7 +287,7 @@ def units(statistics: xr.Dataset) -> Check:
     modulus, loads = float(statistics["contact_modulus"]), statistics["mean_pressure"].values
     # a problem in units of its own, which cannot be checked
     if modulus == 1:
-        return not_made("Not made: the contact modulus is 1, so that pressures are in units of it.")
+        return not_made("the contact modulus is 1, so that pressures are in units of it.")
     if doubt := materials.doubt_of_modulus(modulus):
         return review(f"Contact modulus: {doubt.question().rstrip('.')}")
     if text := _friction_doubt(statistics) or _temperature_doubt(statistics):

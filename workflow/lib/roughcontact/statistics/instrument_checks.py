@@ -57,8 +57,8 @@ _SMOOTHED_MEANS = (
     "Contact areas are then too large, pressures and gaps too small, but not those of longer waves alone: "
     "of coarser pixels, or filtered (level.s_filter)"
 )
-_FEW_WAVES = "Not made: too few waves to judge the spectrum by."
-_PERIODIC_MAP = "Not made: the map is periodic as it is, as made ones are."
+_FEW_WAVES = "too few waves to judge the spectrum by."
+_PERIODIC_MAP = "the map is periodic as it is, as made ones are."
 
 
 def shortest_measured_wave(window: xr.DataArray) -> float:
@@ -154,7 +154,7 @@ def _removed_below(window: Attributes) -> float:
 def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
     """Check that no single summit stands far above all others and carries a pressure far above the mean."""
     if "summit_chance" not in window:
-        return not_made("Not made: the map has no summit.")
+        return not_made("the map has no summit.")
     # at the load where it is largest: at low loads a summit is alone
     over_mean = float((statistics["max_pressure"] / statistics["mean_contact_pressure"]).max())
     times = f"{number(over_mean, digits=2)} times the mean in contact"
@@ -281,7 +281,7 @@ def quantisation(window: Attributes) -> Check:
     'review'
     """
     if "quantisation_step" not in window:
-        return not_made("Not made: the map was not levelled.")
+        return not_made("the map was not levelled.")
     step = float(window["quantisation_step"])
     if not step:
         return passed("The heights are not rounded to steps.")
@@ -302,9 +302,7 @@ def height_unit(height: Attributes, window: Attributes) -> Check:
     if window.get("periodisation") == "none":
         return not_made(_PERIODIC_MAP)
     if window.get("spectrum_exponent", -np.inf) < SPECTRUM_ENDS:
-        return not_made(
-            "Not made: the noise of the instrument does not show in a map that is smooth at its pixels."
-        )
+        return not_made("the noise of the instrument does not show in a map that is smooth at its pixels.")
     rough = float(window["pixel_roughness"])
     # a small pixel tells a probe microscope where the file says nothing
     probe = instrument_kind(height) is PROBE or window.get("pixel_pitch", 1.0) < _PROBE_PIXEL
@@ -322,7 +320,7 @@ def pixel_size(height: Attributes, window: Attributes) -> Check:
     """Check that the instrument which the file names can have pixels of this size."""
     instrument, pixel = instrument_kind(height), float(window.get("pixel_pitch", 0.0))
     if instrument is UNKNOWN or not pixel:
-        return not_made("Not made: the file does not name the kind of its instrument.")
+        return not_made("the file does not name the kind of its instrument.")
     subject = f"Pixels of {quantity(pixel, 'm', digits=2)} are"
     low, high = instrument.step
     if not low <= pixel <= high:

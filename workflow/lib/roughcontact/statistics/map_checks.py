@@ -268,9 +268,7 @@ def sample(statistics: xr.Dataset) -> Check:
     'review'
     """
     if "window_flag" not in statistics.attrs:
-        return not_made(
-            "Not made: the surface beyond the map is not in the error budget (uncertainty.sources)."
-        )
+        return not_made("the surface beyond the map is not in the error budget (uncertainty.sources).")
     if flag := statistics.attrs["window_flag"]:
         advice = statistics.attrs.get("window_advice", "")
         return review(flag.removesuffix(advice).rstrip(), advice=advice)
@@ -313,9 +311,7 @@ def band(window: Attributes) -> Check:
     shortest, reliable = (window.get(name, 0.0) for name in ("band_shortest", "reliable_wavelength"))
     reason = window.get("reliable_reason", "two pixels")
     if reason == "two pixels":
-        return not_made(
-            "Not made: the file does not say which waves the instrument resolves (its numerical aperture)."
-        )
+        return not_made("the file does not say which waves the instrument resolves (its numerical aperture).")
     if shortest >= reliable * (1 - 1e-6):
         return passed("No wave is solved that the instrument is known not to resolve.")
     return review(

@@ -42,9 +42,12 @@ class Check(NamedTuple):
 
 
 # a check by its outcome; `surface_checks` gives it its name, and the answers that it concerns
-passed, noted, review, failed, not_made = (
-    partial(Check, "", outcome) for outcome in (PASSED, NOTE, REVIEW, FAILED, NOT_MADE)
-)
+passed, noted, review, failed = (partial(Check, "", outcome) for outcome in (PASSED, NOTE, REVIEW, FAILED))
+
+
+def not_made(reason: str, *, advice: str = "") -> Check:
+    """Return a check that could not be made, for a reason."""
+    return Check("", NOT_MADE, f"Not made: {reason}", advice=advice)
 
 
 def worst_result(checks: Iterable[Check], *answers: str) -> str:

@@ -145,8 +145,9 @@ def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: i
 
 
 def _state(window: xr.DataArray, load: float, /, **solver: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Return pressure and gap at a load."""
-    solution = solve_contact(window, mean_pressure=load, on_failure="flag", **solver)
+    """Return pressure and gap at a mean pressure (Pa) over the map."""
+    kind, area = facts_of(window.attrs), window.size * float(np.prod(spacing(window)))
+    solution = solve_contact(window, on_failure="flag", **kind.arguments(load, area), **solver)
     return solution["pressure"].values[0], solution["gap"].values[0]
 
 
@@ -187,8 +188,8 @@ def _crossing(
 ) -> float | None:
     """Return the load from which on `excess`, which rises with the load, is not negative.
 
-    None where it is so at `least` already, a load that a single point carries. `limit` is a load from which
-    on the contact is full whatever the map; a `steady` excess is interpolated.
+    None where it is so at `lower_limit` already, below what a single point carries. `limit` is a load from
+    which on the contact is full whatever the map; a `steady` excess is interpolated.
     """
 
     @cache
@@ -268,7 +269,7 @@ def first_yield_pressure(
     """
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
     goal = check_positive("hardness", hardness, unit="Pa")
-    kind, area = facts_of(window.attrs), window.size * float(np.prod(spacing(window)))
+    kind = facts_of(window.attrs)
     # above it the solver has only rounding errors, and the pressure is that of a flat map
     max_load = MAX_LOAD * modulus * rms_gradient(window) if kind.flat_map_is_uniform else np.inf
 
@@ -277,17 +278,9 @@ def first_yield_pressure(
         pressure = float(np.exp(load))
         if pressure > max_load:
             return load - float(np.log(goal))
-        solution = solve_contact(
-            window,
-            contact_modulus=modulus,
-            tolerance=tolerance,
-            on_failure="flag",
-            reduce=_largest,
-            **kind.arguments(pressure, area),
-            **solver,
-        )
+        pressures, _ = _state(window, pressure, contact_modulus=modulus, tolerance=tolerance, **solver)
         # the logarithm is nearly linear in that of the load
-        return float(np.log(solution["max_pressure"].item() / goal))
+        return float(np.log(float(pressures.max()) / goal))
 
     # no point carries more than all of the load, and at least one carries the mean pressure
     low, high = float(np.log(goal / window.size)), float(np.log(goal))
@@ -348,8 +341,3 @@ def add_first_yield(
             raise
         return statistics  # the contact leaves the map before
     return statistics.assign(first_yield_pressure=pressures)
-
-
-def _largest(solution: xr.Dataset) -> xr.Dataset:
-    """Return the largest pressure of a load."""
-    return xr.Dataset({"max_pressure": solution["pressure"].max(("y", "x"))})

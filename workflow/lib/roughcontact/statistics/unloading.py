@@ -19,7 +19,7 @@ from roughcontact.contact.loads import check_loads
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.statistics.contact_geometry import point_area, relative_contact_area
-from roughcontact.statistics.contact_statistics import statistics_function
+from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.surface.roughness.parameters import rms_curvature, rms_gradient, rms_height
 
 _FLOW = ["plastic_depth", "mean_plastic_depth", "max_plastic_depth", "plastic_volume", "dissipated_energy"]
@@ -153,20 +153,15 @@ def evaluate_unloading(
     """
     # without a stated peak the way back begins at the largest load
     peaks = settings["contact"]["unload"] or [float(contact["mean_pressure"].max())]
+    bodies = settings["contact"]["bodies"]
     roughness = (rms_height, rms_gradient, rms_curvature)
     initial_roughness = {f"{measure.__name__}_before_load": float(measure(window)) for measure in roughness}
     results = []
     for peak in sorted(peaks):
         unloading = unload(contact, peak_pressure=peak, threads=threads)
-        count = statistics_function(
-            unloading["height"],
-            contact_modulus=settings["contact"]["contact_modulus"],
-            bodies=settings["contact"]["bodies"],
-            **settings["statistics"],
-        )
-        numbers = count(unloading)
+        numbers = contact_statistics(unloading, bodies=bodies, **settings["statistics"])
         # maps, densities and profiles of the way back are left out: the file has the surface itself
-        numbers = numbers[[name for name in numbers.variables if numbers[name].dims in ((), ("load",))]]
+        numbers = numbers.drop_dims([dim for dim in numbers.sizes if dim != "load"])
         further = {"height": unloading["height"].drop_attrs(), "peak_pressure": peak} | initial_roughness
         results.append(numbers.merge(unloading[_FLOW]).assign(further))
     if len(results) == 1:
