@@ -149,7 +149,7 @@ def judged(task: tuple[str, str, xr.DataArray, int]) -> list[dict]:
         _, area_before, peak_before = reference[base]
         check_results = [
             checks.smoothed(window.attrs),
-            checks.noise(solved, window.attrs),
+            checks.noise(window.attrs),
             checks.isolated_peak(solved, window.attrs),
             checks.height_unit(height.attrs, window.attrs),
             checks.pixel_size(height.attrs, window.attrs),

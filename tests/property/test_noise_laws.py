@@ -170,5 +170,5 @@ def test_the_share_of_noise_is_that_in_the_map_that_is_solved(filtered):
     share = (rms_gradient(noise) / rms_gradient(measured)) ** 2
     actual = attrs["noise_gradient_share"] * (3e-8 / attrs["noise_floor"]) ** 2
     assert actual == pytest.approx(share, rel=0.35)
-    checked = checks.noise(xr.Dataset(), attrs)
+    checked = checks.noise(attrs)
     assert checked.outcome == ("review" if filtered == "neither" else "passed")

@@ -37,7 +37,7 @@ def loads(largest, mean):
 
 def test_a_rough_surface_passes():
     window = window_of(surface())
-    smoothed, noise = checks.smoothed(window.attrs), checks.noise(xr.Dataset(), window.attrs)
+    smoothed, noise = checks.smoothed(window.attrs), checks.noise(window.attrs)
     assert smoothed.outcome == noise.outcome == "passed", (smoothed, noise)
     assert smoothed.sentence.startswith("The spectrum reaches down to the pixels: its steepest fall is q^−3.")
     assert window.attrs["spectrum_exponent"] == pytest.approx(-3.6, abs=0.4)
@@ -202,14 +202,14 @@ def test_periodic_and_tiny_maps_are_not_judged():
     periodic, tiny = window_of(rough_map), window_of(surface(8))
     assert periodic.attrs["periodisation"] == "none"
     assert checks.smoothed(periodic.attrs).outcome == checks.smoothed(tiny.attrs).outcome == "not made"
-    assert checks.noise(xr.Dataset(), tiny.attrs).outcome == "not made"
+    assert checks.noise(tiny.attrs).outcome == "not made"
     assert traces.instrument_traces(height_map(np.zeros((64, 64)), 1e-6)) == {}
     # a measured plateau with pits may meet at its edges by chance: noise shows there as elsewhere
-    assert checks.noise(xr.Dataset(), periodic.attrs).outcome == "passed"
+    assert checks.noise(periodic.attrs).outcome == "passed"
     noisy = rough_map + 3e-8 * np.random.default_rng(1).standard_normal(rough_map.shape)
     noisy = window_of(noisy.values)
     assert noisy.attrs["periodisation"] == "none"
-    assert checks.noise(xr.Dataset(), noisy.attrs).outcome == "review"
+    assert checks.noise(noisy.attrs).outcome == "review"
     assert checks.suspected_noise(noisy.attrs) == pytest.approx(3e-8, rel=0.1)
 
 
@@ -236,27 +236,27 @@ def test_noise_is_found():
     noisy = surface() + 2e-7 * np.random.default_rng(1).standard_normal((160, 160))
     window = window_of(noisy)
     assert window.attrs["noise_floor"] == pytest.approx(2e-7, rel=0.2)
-    check = checks.noise(xr.Dataset(), window.attrs)
+    check = checks.noise(window.attrs)
     assert check.outcome == "review"
     assert "one map cannot tell" in check.sentence
 
 
 def test_noise_warns_just_beyond_its_limits():
     limit = checks.NOISE_SHARE
-    assert checks.noise(xr.Dataset(), FLAT | {"noise_gradient_share": limit}).outcome == "passed"
+    assert checks.noise(FLAT | {"noise_gradient_share": limit}).outcome == "passed"
     noisy = FLAT | {"noise_gradient_share": limit + 1e-6}
-    assert checks.noise(xr.Dataset(), noisy).outcome == "review"
-    assert "too small by up to 10.6 %" in checks.noise(xr.Dataset(), noisy).sentence
-    assert checks.noise(xr.Dataset(), noisy | {"top_exponent": checks.WHITE}).outcome == "passed"
-    assert "by an unknown factor" in checks.noise(xr.Dataset(), FLAT | {"noise_gradient_share": 1.2}).sentence
+    assert checks.noise(noisy).outcome == "review"
+    assert "too small by up to 10.6 %" in checks.noise(noisy).sentence
+    assert checks.noise(noisy | {"top_exponent": checks.WHITE}).outcome == "passed"
+    assert "by an unknown factor" in checks.noise(FLAT | {"noise_gradient_share": 1.2}).sentence
 
 
 def test_stated_noise_counts_whatever_the_spectrum():
     steep = FLAT | {"top_exponent": -4.0, "instrument_noise": 2e-9}
-    check = checks.noise(xr.Dataset(), steep)
+    check = checks.noise(steep)
     assert check.outcome == "passed"
     assert check.sentence == "The stated noise of 2.00 nm makes up 15.0 % of the mean square gradient."
-    assert checks.noise(xr.Dataset(), steep | {"instrument_noise": 4e-9}).outcome == "review"
+    assert checks.noise(steep | {"instrument_noise": 4e-9}).outcome == "review"
 
 
 def with_dust():

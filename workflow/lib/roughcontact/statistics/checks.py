@@ -82,7 +82,7 @@ def surface_checks(
         "Local scale": contact_checks.local_scale(statistics),
         "Fluid": contact_checks.fluid(statistics),
         "Smoothed": instrument_checks.smoothed(window),
-        "Noise": instrument_checks.noise(statistics, window),
+        "Noise": instrument_checks.noise(window),
         "Quantisation": instrument_checks.quantisation(window),
         "Isolated peak": instrument_checks.isolated_peak(statistics, window),
         "Missing points": map_checks.missing_points(statistics, height, levelled),

@@ -583,11 +583,7 @@ def _one_load(
     touching = pressure > 0
     contact_pressures = pressure[touching]
     points = contact_pressures.size
-    of_contact = {
-        "mean_contact_pressure": contact_pressures.mean(),
-        "max_pressure": contact_pressures.max(),
-        "pressure_std": contact_pressures.std(),
-    }
+    mean, largest, spread = contact_pressures.mean(), contact_pressures.max(), contact_pressures.std()
     of_map = {
         **({} if body is None else subsurface.stress_columns(pressure, steps, border=border, **body)),
         "elastic_energy": elastic_energy(pressure, steps, elasticity),
@@ -601,7 +597,7 @@ def _one_load(
     # within the contact the gap is rounding: the solver keeps its mean there at zero
     open_gap = np.where(touching, 0.0, gap)
     del gap
-    of_contact["mean_gap"] = open_gap.mean()
+    mean_gap = open_gap.mean()
     passage: dict[str, float] = percolation_columns(open_gap)
     if with_flow:  # imports sparse matrices, which takes as long as all other imports here
         from roughcontact.statistics.sealing.flow import flow_columns
@@ -620,12 +616,12 @@ def _one_load(
         "contact_clusters": patches.size,
         "largest_patch_area": patches.max(initial=0.0),
         "contact_on_filled_points": np.count_nonzero(touching & filled_points) / points,
-        **of_contact,
+        "mean_contact_pressure": mean,
+        "max_pressure": largest,
+        "pressure_std": spread,
+        "mean_gap": mean_gap,
         **_stiffness(touching, at_hardness, steps, elasticity),
-        **{
-            name: _inverse(linear_response(touching, steps, conductor))
-            for name, conductor in conducting.items()
-        },
+        **{name: _inverse(linear_response(touching, steps, bodies)) for name, bodies in conducting.items()},
         **passage,
         **of_map,
         "patch_area_density": density(patches, edges["patch"]),

@@ -47,7 +47,6 @@ COARSE_STEP, TOO_COARSE_STEP = 0.02, 0.4
 # Noise between neighbouring pixels below which nothing measures: averaging interferometers reach 0.05 nm,
 # the quietest probe microscopes 5 pm
 QUIETEST, QUIETEST_PROBE = 5e-11, 5e-12
-_SQUARE = "mean square gradient"
 _PROBE_PIXEL = 1e-7  # a smaller pixel is that of a probe microscope, whatever the file says
 _CAMERA = (1e-6, 6e-5)  # pitch of camera pixels, binned ones included
 
@@ -142,11 +141,9 @@ def _exponent(window: Attributes) -> str:
 def _removed_below(window: Attributes) -> float:
     """Return the wavelength below which the settings remove waves or say that none was measured."""
     instrument = Instrument.read(window)
-    limits = [instrument.resolution or 0.0, instrument.lateral_period_limit or 0.0]
-    if not is_limited_by_grid(window):
-        limits.append(float(window["band_shortest"]))
+    band = 0.0 if is_limited_by_grid(window) else float(window["band_shortest"])
     # a Gaussian filter passes half at its nesting index; the fall that is found lies below it
-    limits.append(s_index(window))
+    limits = instrument.resolution or 0.0, instrument.lateral_period_limit or 0.0, band, s_index(window)
     # an end is found to half an octave
     return float(np.sqrt(2) * max(limits))
 
@@ -173,35 +170,36 @@ def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
     )
 
 
-def noise(statistics: xr.Dataset, window: Attributes) -> Check:
+def noise(window: Attributes) -> Check:
     """Check that noise, `instrument_noise` (m) or a flat spectrum, makes up little of the gradient."""
     if "noise_floor" not in window:
         return not_made(_FEW_WAVES)
-    share, stated_noise = float(window["noise_gradient_share"]), Instrument.read(window).noise or 0.0
-    if stated_noise and window["noise_floor"] > 0:
+    floor, share, explanation = window["noise_floor"], float(window["noise_gradient_share"]), ""
+    stated = (Instrument.read(window).noise or 0.0) if floor > 0 else 0.0
+    if stated:
         # the gradient of white noise goes with its rms height
-        share *= (stated_noise / window["noise_floor"]) ** 2
-        text = f"The stated noise of {quantity(stated_noise, 'm')} makes up {_share(share)} of the {_SQUARE}"
-        if "corrected_for" in window:
-            return passed(f"{text} as measured, for which the map is corrected.")
-        return _judged_noise(
-            text, share, advice="Average several maps, or remove short waves (level.s_filter)."
-        )
-    if not _ends_flat(window):
+        share *= (stated / floor) ** 2
+        makes_up = f"The stated noise of {quantity(stated, 'm')} makes up"
+        advice = "Average several maps"
+    elif _ends_flat(window):
+        white = f"a white noise of {quantity(floor, 'm', digits=2)} (rms)"
+        makes_up = f"The spectrum is flat at its end, as with {white}, which would make up"
+        explanation = " It may be noise, or waves shorter than the pixel: one map cannot tell."
+        advice = "Measure twice and state the noise (instrument.noise)"
+    else:
         exponent = number(window["top_exponent"], digits=2)
         return passed(f"The spectrum falls down to the pixels, as q^{exponent}: no white noise shows.")
-    floor = quantity(window["noise_floor"], "m", digits=2)
-    text = (
-        f"The spectrum is flat at its end, as with a white noise of {floor} (rms), which would make up "
-        f"{_share(share)} of the {_SQUARE}"
-    )
-    return _judged_noise(
-        text,
-        share,
-        explanation="It may be noise, or waves shorter than the pixel: one map cannot tell.",
-        advice="Measure twice and state the noise (instrument.noise), or remove short waves "
-        "(level.s_filter).",
-    )
+    # that of a floor can exceed the whole
+    text = f"{makes_up} {percent(share) if share < 1 else 'all'} of the mean square gradient"
+    if stated and "corrected_for" in window:
+        return passed(f"{text} as measured, for which the map is corrected.")
+    if share <= NOISE_SHARE:
+        return passed(f"{text}.")
+    # the area goes as 1 / g
+    small = f"by up to {percent(1 - np.sqrt(1 - share))}" if share < 1 else "by an unknown factor"
+    effect = f"Areas would be too small {small}, and pressures too large.{explanation}"
+    advice += ", or remove short waves (level.s_filter)."
+    return review(f"{text}.", explanation=effect, advice=advice)
 
 
 def suspected_noise(window: Attributes) -> float:
@@ -229,21 +227,6 @@ def is_mostly_noise(window: Attributes) -> bool:
 def _ends_flat(window: Attributes) -> bool:
     """Return whether the spectrum is as flat at its end as that of white noise."""
     return window.get("top_exponent", -np.inf) > WHITE
-
-
-def _share(share: float) -> str:
-    """Return a share in words; that of a floor can exceed the whole."""
-    return percent(share) if share < 1 else "all"
-
-
-def _judged_noise(text: str, share: float, *, advice: str, explanation: str = "") -> Check:
-    """Return the check of a share of the mean square gradient."""
-    if share <= NOISE_SHARE:
-        return passed(f"{text}.")
-    # the area goes as 1 / g
-    small = f"by up to {percent(1 - np.sqrt(1 - share))}" if share < 1 else "by an unknown factor"
-    effect = f"Areas would be too small {small}, and pressures too large."
-    return review(f"{text}.", explanation=f"{effect} {explanation}".rstrip(), advice=advice)
 
 
 def coarse_step(window: Attributes) -> float:

@@ -109,18 +109,18 @@ def scan_lines(attrs: Attributes, statistics: xr.Dataset | None = None) -> Check
             f"The rows share shifts of {jitter} of the rms height (rms), which may be drift of the scanner "
             "or a lay along the rows"
         )
+    is_aligned, by_user = alignment != "none", attrs.get("line_alignment_by") == "user"
+    if is_aligned:
+        text += f"; they were aligned {'as asked ' if by_user else ''}({alignment})"
     # what the user asked for is no finding
-    if alignment != "none" and attrs.get("line_alignment_by") == "user":
-        return passed(f"{text}; they were aligned as asked ({alignment}).")
-    if attrs.get("row_jitter", 0.0) <= ROW_JITTER:
-        return passed(f"{text}." if alignment == "none" else f"{text}; they were aligned ({alignment}).")
-    if alignment == "none":
+    if (is_aligned and by_user) or attrs.get("row_jitter", 0.0) <= ROW_JITTER:
+        return passed(f"{text}.")
+    if not is_aligned:
         return review(
             f"{text}: it may carry much of the load.",
             advice="Compare with every row aligned (level.line_alignment: jitter).",
         )
-    advice = "Compare without that (level.line_alignment: none)."
-    return review(f"{text}; they were aligned ({alignment}).", advice=advice)
+    return review(f"{text}.", advice="Compare without that (level.line_alignment: none).")
 
 
 def _lay_along_rows(statistics: xr.Dataset) -> bool:

@@ -90,21 +90,19 @@ def yield_stresses(body: Body) -> list[float]:
     return [material.get("yield_stress") or math.inf for material in materials_in(body)]
 
 
-def largest_over_yield(statistics: Mapping[str, Any] | xr.Dataset, body: Body) -> np.ndarray:
-    """Return the largest von Mises stress of `stress_columns` over the yield stress of its material (load).
+def stress_over_yield(statistics: Mapping[str, Any] | xr.Dataset, body: Body) -> np.ndarray:
+    """Return the largest von Mises stresses of `stress_columns` over the yield stress (..., material).
 
     Examples
     --------
     >>> film = {"yield_stress": 7e8, "layers": [{"yield_stress": 7e9, "thickness": 2e-6}]}
-    >>> print(largest_over_yield({"material_von_mises_stress": [[3.5e9, 7e8]]}, film))
-    [1.]
+    >>> print(stress_over_yield({"material_von_mises_stress": [[3.5e9, 7e8]]}, film))
+    [[0.5 1. ]]
     """
     # with layers each material has its own limit
-    stresses = statistics.get("material_von_mises_stress")  # of several materials
-    if stresses is None:
-        stresses = np.asarray(statistics["max_von_mises_stress"])[..., None]
-    ratio = np.asarray(stresses) / yield_stresses(body)
-    return np.asarray(ratio.max(axis=-1))
+    if "material_von_mises_stress" in statistics:
+        return np.asarray(statistics["material_von_mises_stress"]) / yield_stresses(body)
+    return np.asarray(statistics["max_von_mises_stress"])[..., None] / yield_stresses(body)
 
 
 def stress_columns(
@@ -175,14 +173,12 @@ def add_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.Da
     there; between two loads they are powers of one another, and without two such loads the pressure is NaN.
     """
     body = strained_body(bodies) or {}
-    limits = yield_stresses(body)
-    if min(limits) == math.inf or "max_von_mises_stress" not in statistics:
+    if min(yield_stresses(body)) == math.inf or "max_von_mises_stress" not in statistics:
         return statistics
-    loads, ratio = statistics["mean_pressure"].values, largest_over_yield(statistics, body)
-    columns: dict[str, Any] = {"first_subsurface_yield_pressure": _reached(loads, ratio)}
-    if "material_von_mises_stress" in statistics:
-        ratios = (statistics["material_von_mises_stress"].transpose("load", ...) / limits).values.T
-        columns["material_first_yield_pressure"] = "material", [_reached(loads, ratio) for ratio in ratios]
+    loads, ratios = statistics["mean_pressure"].values, stress_over_yield(statistics, body)
+    columns: dict[str, Any] = {"first_subsurface_yield_pressure": _reached(loads, ratios.max(axis=1))}
+    if body.get("layers"):
+        columns["material_first_yield_pressure"] = "material", [_reached(loads, ratio) for ratio in ratios.T]
     return statistics.assign(columns)
 
 

@@ -170,7 +170,7 @@ def _first_yield(
         """Return by how much the largest stress exceeds the yield stress, in the logarithm."""
         pressure, _ = _state(window, load, contact_modulus=modulus, **solver)
         stress = subsurface.stress_columns(pressure, steps, **body)
-        return math.log(subsurface.largest_over_yield(stress, body))
+        return math.log(subsurface.stress_over_yield(stress, body).max())
 
     # a single point carries at most the load of all
     load = _crossing(excess, limit / math.sqrt(window.size))
