@@ -129,12 +129,10 @@ def compared_ends(statistics: xr.Dataset, name: str) -> np.ndarray:
     """
     allowed, nan = ALLOWED_VALUES[name], np.full(statistics.sizes["load"], np.nan)
     numbers = [number for number in allowed.numbers if number in statistics]
-    ends = np.array(
-        [np.max([statistics.get(f"{number}{suffix}", nan) for number in numbers], axis=0) for suffix in ENDS]
-    )
+    ends = [np.max([statistics.get(f"{number}{end}", nan) for number in numbers], axis=0) for end in ENDS]
     with np.errstate(divide="ignore"):
         # the ends of a reciprocal change places
-        return ends if allowed.sense > 0 else 1 / ends[[0, 2, 1]]
+        return np.array(ends) if allowed.sense > 0 else 1 / np.array(ends)[[0, 2, 1]]
 
 
 def _totals(statistics: xr.Dataset, properties: Mapping[str, Any]) -> dict[str, xr.DataArray]:

@@ -10,7 +10,6 @@ from roughcontact.arguments.ranges import ends, name_of_range, weighted
 from roughcontact.arguments.stacks import half_spaces, materials_in, top_material
 from roughcontact.contact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.contact.elasticity.media import conduction
-from roughcontact.contact.elasticity.medium import HALF_SPACES, Medium
 from roughcontact.errors import SettingsError
 
 Bodies = Sequence[Mapping[str, Any]]
@@ -19,24 +18,17 @@ _TRANSPORTS = {"thermal": ("thermal_conductivity", -1), "electrical": ("electric
 
 
 def conductance_columns(
-    stiffness: npt.ArrayLike,
-    *,
-    contact_modulus: float,
-    bodies: Bodies | None = None,
-    medium: Medium = HALF_SPACES,
+    stiffness: npt.ArrayLike, *, contact_modulus: float, bodies: Bodies | None = None
 ) -> dict[str, np.ndarray]:
     """Return the conductances of a contact of the `stiffness` K (Pa/m) by nominal area.
 
     A spot constricts heat and current as it does the displacement (Barber 2003, Proc. R. Soc. A 459, 53): per
     conductivity K/E* (1/m), of heat 2 k1 k2/(k1 + k2) times that (W/(m2 K)), of current 2 K/(E* (ρ1 + ρ2))
-    (S/m2), without films, gas and radiation. NaN with layers, whose heat and current take another way than
-    the displacement (`conductors`).
+    (S/m2), without films, gas and radiation. With layers heat and current take another way than the
+    displacement (`conductors`).
     """
     # Barber (2003): conductance over conductivity is stiffness over E*, for any rough contact of half-spaces
     per_conductivity = np.asarray(stiffness, float) / contact_modulus
-    if not medium.is_homogeneous:
-        # layers conduct by another medium: solved by itself
-        return {"conductance_per_conductivity": np.full_like(per_conductivity, np.nan)}
     columns = {"conductance_per_conductivity": per_conductivity}
     for transport, (name, power) in _TRANSPORTS.items():
         # two half-spaces in series: the harmonic mean of conductivities, the mean of resistivities
@@ -46,9 +38,7 @@ def conductance_columns(
 
 
 _PAIRS = ("gas_conductivity", "temperature_jump"), ("film_thickness", "film_conductivity")
-_OF_JOINT = {key for pair in _PAIRS for key in pair} | {
-    *("area", "heat_flow", "allowed_resistance", "allowed_temperature_drop")
-}
+_OF_JOINT = {"area", "heat_flow", "allowed_resistance", "allowed_temperature_drop"}.union(*_PAIRS)
 
 
 def conductivity_ranges(bodies: Bodies | None) -> dict[str, tuple[float, float, float]]:
@@ -93,14 +83,12 @@ def gas_arguments(joint: Mapping[str, Any] | None) -> dict[str, float] | None:
     """
     values = {key: value for key, value in (joint or {}).items() if value is not None}
     if unknown := values.keys() - _OF_JOINT:
-        raise SettingsError(
-            f"joint has {', '.join(sorted(unknown))}: takes {', '.join(sorted(_OF_JOINT))}", keys=["joint"]
-        )
+        text = f"joint has {', '.join(sorted(unknown))}: takes {', '.join(sorted(_OF_JOINT))}"
+        raise SettingsError(text, keys=["joint"])
     for pair in _PAIRS:
         if len(values.keys() & {*pair}) == 1:
-            raise SettingsError(
-                f"joint: {' and '.join(pair)} belong together; give both or neither", keys=["joint"]
-            )
+            text = f"joint: {' and '.join(pair)} belong together; give both or neither"
+            raise SettingsError(text, keys=["joint"])
     if not values.keys() & {"gas_conductivity", "film_thickness"}:
         return None
     return {"conductivity": values.get("gas_conductivity", 0.0), "jump": values.get("temperature_jump", 1.0)}
@@ -149,11 +137,8 @@ def conductors(bodies: Bodies | None, elasticity: Elasticity = HALF_SPACE) -> di
     """
     if bodies is None or len(half_spaces(bodies)) == len(bodies):
         return {}
-    pairs = {
-        f"{transport}_conductance": conduction(bodies, name, elasticity)
-        for transport, (name, _) in _TRANSPORTS.items()
-    }
-    return {name: pair for name, pair in pairs.items() if pair is not None}
+    pairs = {transport: conduction(bodies, name, elasticity) for transport, (name, _) in _TRANSPORTS.items()}
+    return {f"{transport}_conductance": pair for transport, pair in pairs.items() if pair is not None}
 
 
 def knudsen_resistance_ratio(knudsen: npt.ArrayLike) -> np.ndarray:

@@ -89,18 +89,17 @@ def resolution(statistics: xr.Dataset) -> Check:
     if np.isnan(resolution):
         return passed("The map is flat: there is no wave to resolve.")
     excess = overcount(statistics)
+    most = percent(excess.max())
     waves = f"The shortest wave of the map has {number(resolution, digits=2)} points."
     if coarse := int((excess > OVERCOUNT).sum()):
         loads = f"At {coarse} of {excess.size} loads the" if excess.size > 1 else "The"
         return review(
             f"{loads} contact patches are only a few points across: counting points overstates the area by "
-            f"up to {percent(excess.max())}, and the correction is coarse.",
+            f"up to {most}, and the correction is coarse.",
             explanation=waves,
             advice="Measure with finer pixels.",
         )
-    return passed(
-        f"Counting points overstates the area by at most {percent(excess.max())}; this is corrected. {waves}"
-    )
+    return passed(f"Counting points overstates the area by at most {most}; this is corrected. {waves}")
 
 
 def plasticity(statistics: xr.Dataset) -> Check:
@@ -395,9 +394,8 @@ def fluid(statistics: xr.Dataset) -> Check | None:
         text += f", more than the bodies at {lifts.sum()} of {lifts.size} loads: it would lift them."
         return review(text, advice="State the load that presses them together while the fluid is there.")
     if "seal_outlet_pressure" in statistics.attrs:
-        return _slip(
-            statistics, f"{text} above its outlet, less than the bodies, and expands as an ideal gas"
-        )
+        text += " above its outlet, less than the bodies, and expands as an ideal gas"
+        return _slip(statistics, text)
     if viscosity >= _GAS:
         return passed(f"{text}, less than the bodies.")
     return review(

@@ -30,7 +30,12 @@ from roughcontact.statistics.adhesion import adhesion_numbers
 from roughcontact.statistics.conductance import Bodies
 from roughcontact.statistics.contact_geometry import contact_perimeter, point_area, relative_contact_area
 from roughcontact.statistics.decisions import TIGHT, gap_is_closed, is_lifted
-from roughcontact.statistics.densities import bearing_numbers, density, logarithmic_edges
+from roughcontact.statistics.densities import (
+    HARDNESS_OVER_MODULUS,
+    bearing_numbers,
+    density,
+    logarithmic_edges,
+)
 from roughcontact.statistics.finite_body import finite_body_columns
 from roughcontact.statistics.friction import friction_statistics
 from roughcontact.statistics.precision import widened
@@ -169,7 +174,6 @@ def contact_statistics(
     body = _body_to_strain(stress, bodies, kind)
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)
-    mean_pressure = np.asarray(contact["mean_pressure"].values, float)
     if surface is None:
         surface = surface_numbers(height, Elasticity(modulus, medium=medium), work_of_adhesion)
         warn_of_map(height.shape, surface.parameters["rms_gradient"])
@@ -188,13 +192,13 @@ def contact_statistics(
     gas = conductance.gas_arguments(joint)
     rows = [
         _one_load(contact, load, edges, with_flow=with_flow, body=body, conducting=conducting, gas=gas)
-        for load in range(mean_pressure.size)
+        for load in range(contact.sizes["load"])
     ]
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
-    columns |= conductance.conductance_columns(
-        columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies, medium=medium
-    )
+    # layers conduct in another way than they yield, which is solved by itself
+    stiffness = columns["contact_stiffness"] * (1.0 if medium.is_homogeneous else np.nan)
+    columns |= conductance.conductance_columns(stiffness, contact_modulus=modulus, bodies=bodies)
     columns |= conductance.resistances_and_joint(columns, joint)
     if seal is not None and with_flow:
         leaks, numbers_of_seal = _leaks(columns, seal)
@@ -203,7 +207,7 @@ def contact_statistics(
     columns |= _theory_columns(contact, surface)
     # a number of the map, repeated for each load beside the other measures of reliability
     name = "points_per_shortest_wavelength"
-    columns[name] = np.full(mean_pressure.shape, parameters.pop(name))
+    columns[name] = np.full(contact.sizes["load"], parameters.pop(name))
     # a finite body has both: its force, and that over the area of the map
     loads = [name for name in ("mean_pressure", "force") if name in contact]
     coordinates = _bins(edges) | {name: ("load", contact[name].values) for name in loads}
@@ -219,10 +223,7 @@ def contact_statistics(
             columns[f"max_von_mises_{axis}"] += height[axis].values[0] if height[axis].size > 1 else np.nan
         attrs["stresses_of"] = subsurface.strained_body_in_words(bodies or ())
     if "hardness" not in contact:
-        coordinates["hardness_over_modulus"] = (
-            "hardness_over_modulus",
-            densities.HARDNESS_OVER_MODULUS,
-        )
+        coordinates["hardness_over_modulus"] = ("hardness_over_modulus", HARDNESS_OVER_MODULUS)
     variables = {name: (("load", *_FURTHER_DIM.get(name, ())), values) for name, values in columns.items()}
     material = {name: float(contact[name]) for name in ("contact_modulus", "hardness") if name in contact}
     for name, values in conductance.conductivity_ranges(bodies).items():
@@ -394,11 +395,9 @@ def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
     for axis in "xy":
         name, narrowest = f"leak_rate_{axis}", f"critical_constriction_{axis}"
         if name in statistics and f"{narrowest}_lower" in statistics:
-            leak, height = statistics[name], statistics[narrowest]
+            leak, height, of_plates = (statistics[key] for key in (name, narrowest, "leak_rate_by_cube"))
             # where it is closed there is no leak to scale from: that of smooth plates
-            by_cube = (leak / height**3 / slip_factor(height, path)).where(
-                height > 0, statistics["leak_rate_by_cube"]
-            )
+            by_cube = (leak / height**3 / slip_factor(height, path)).where(height > 0, of_plates)
             for end in ENDS[1:]:
                 opening = statistics[f"{narrowest}{end}"]
                 bounds[f"{name}{end}"] = by_cube * opening**3 * slip_factor(opening, path)

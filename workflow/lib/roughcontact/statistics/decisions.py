@@ -22,7 +22,7 @@ OPEN_PARTS = ((1273, 1292), (637, 642))
 # share of the parts of a window that may differ from the window itself, and the least number of parts: where
 # all but two of eight parts of those maps are as the window, the ninth is in 2944 of 3029 cases
 _MAX_DIFFERENT, _MIN_PARTS = 0.25, 6
-_HARDNESS_ROUNDING = 1e-9
+_REACHED = 1 - 1e-9  # of the hardness: what reaches it up to rounding has reached it
 
 
 def closed_opening(numbers: Numbers, axis: str) -> np.ndarray:
@@ -123,12 +123,9 @@ def is_yielding(numbers: Numbers) -> np.ndarray:
     >>> is_yielding(peak | loads | {"max_pressure_lower": [7e8, 9e8, 1.2e9]})
     array([ 0., nan,  1.])
     """
-    # what reaches the hardness up to rounding has reached it
-    limit = _number(numbers, "hardness") * (1 - _HARDNESS_ROUNDING)
-    softest, hardest = (
-        limit if np.isnan(end := _number(numbers, f"hardness_{side}")) else end * (1 - _HARDNESS_ROUNDING)
-        for side in ("lower", "upper")
-    )
+    limit = _number(numbers, "hardness") * _REACHED
+    softest = np.nan_to_num(_number(numbers, "hardness_lower") * _REACHED, nan=limit)
+    hardest = np.nan_to_num(_number(numbers, "hardness_upper") * _REACHED, nan=limit)
     value, lower, upper = (_of_loads(numbers, f"{PEAK}{suffix}") for suffix in ENDS)
     below = _of_loads(numbers, "volume_above_yield")  # infinite where all of a body yields
     yield_ratio = _of_loads(numbers, "mean_pressure") / _number(numbers, "first_yield_pressure")

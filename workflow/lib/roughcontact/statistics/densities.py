@@ -65,9 +65,8 @@ def bearing_numbers(
     >>> found["max_pressure_over_modulus"], found["load_share_above_ratio"]
     (0.03, array([1.  , 1.  , 0.75, 0.  ]))
     """
-    numbers: dict[str, float | np.ndarray] = {
-        "max_pressure_over_modulus": float(pressures.max()) / contact_modulus
-    }
+    largest = float(pressures.max()) / contact_modulus
+    numbers: dict[str, float | np.ndarray] = {"max_pressure_over_modulus": largest}
     if hardness is not None:
         load, area = shares_above(pressures, hardness)
         return numbers | {"load_share_above_hardness": load, "area_share_above_hardness": area}

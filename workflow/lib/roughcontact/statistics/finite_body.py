@@ -46,16 +46,14 @@ def finite_body_columns(columns: Mapping[str, Any], contact: xr.Dataset, load: i
     if at_hardness.any():  # the depth of flow is no elastic displacement
         displacement[at_hardness] = body.elastic_displacement(pressure)[at_hardness]
     in_the_middle = map_coordinates(displacement, [[(n - 1) / 2] for n in height.shape], order=3).item()
-    area = float(columns["relative_contact_area"]) * map_area
+    area, homogeneous = float(columns["relative_contact_area"]) * map_area, elasticity.medium.is_homogeneous
     numbers = {name: np.nan for name in _MEANINGLESS if name in columns} | {
         "contact_stiffness": force / -punch_approach / map_area,
         "elastic_energy": 0.5 * float((pressure * displacement).mean()),
         "mutual_approach": float(height.max()) - approach,
         "contact_area": area,
         "contact_radius": np.sqrt(area / np.pi),
-        "loaded_radius": 0.75 * force / (elasticity.modulus * in_the_middle)
-        if elasticity.medium.is_homogeneous
-        else np.nan,
+        "loaded_radius": 0.75 * force / (elasticity.modulus * in_the_middle) if homogeneous else np.nan,
     }
     if smooth := hertz_contact(height, contact, load):
         numbers["hertz_radius"] = (smooth["major"] * smooth["minor"]) ** 0.5

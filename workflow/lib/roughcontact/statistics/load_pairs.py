@@ -73,10 +73,8 @@ def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset
     map_loads = [data["mean_pressure"].values.astype(float) for data in datasets]
     low, high = max(value[0] for value in map_loads), min(value[-1] for value in map_loads)
     if low > high * (1 + SAME_LOAD):  # the maps have no range in common
-        lowest, last = (
-            names[[value[index] for value in map_loads].index(limit)]
-            for index, limit in ((0, low), (-1, high))
-        )
+        lowest = names[[value[0] for value in map_loads].index(low)]
+        last = names[[value[-1] for value in map_loads].index(high)]
         raise SettingsError(
             f"{label}: no load in common, {lowest} begins at {quantity(low, 'Pa', digits=5)} and {last} ends "
             f"at {quantity(high, 'Pa', digits=5)}; solve them at the same mean_pressure, or at more loads"

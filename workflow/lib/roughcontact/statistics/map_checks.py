@@ -284,16 +284,14 @@ def lay(statistics: xr.Dataset, window: Attributes) -> Check | None:
     # a map has both lengths, and needs no statement
     if not np.isnan([statistics[f"window_length_{axis}"] for axis in "xy"]).any():
         return None
-    comparison = ""
+    areas = ""
     if "relative_contact_area_if_isotropic" in statistics:
         ridges = ", ".join(map(percent, statistics["relative_contact_area"].values))
         isotropic = ", ".join(map(percent, statistics["relative_contact_area_if_isotropic"].values))
-        comparison = (
-            f"Contact area of endless ridges, as shown: {ridges}; of an isotropic surface: {isotropic}."
-        )
+        areas = f"Contact area of endless ridges, as shown: {ridges}; of an isotropic surface: {isotropic}."
     return review(
         "Nothing states the lay of the profile.",
-        explanation=comparison,
+        explanation=areas,
         advice="State lay = across (turned, ground: ridges) or lay = none (blasted, etched, lapped: "
         "isotropic).",
     )

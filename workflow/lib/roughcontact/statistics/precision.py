@@ -44,10 +44,8 @@ def widened(value_and_ends: Sequence[Any], factors: Sequence[Any]) -> tuple[Any,
     value, lower, upper = value_and_ends
     with np.errstate(divide="ignore", invalid="ignore"):
         # independent factors: their logarithms add in squares
-        below, above = (
-            np.exp(np.hypot(np.log(bound / value), np.log(factor)))
-            for bound, factor in zip((lower, upper), factors, strict=True)
-        )
+        below = np.exp(np.hypot(np.log(lower / value), np.log(factors[0])))
+        above = np.exp(np.hypot(np.log(upper / value), np.log(factors[1])))
         return value / below, value * above
 
 

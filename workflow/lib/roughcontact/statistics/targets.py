@@ -34,6 +34,8 @@ _SLOPES = (0.05, 1.0)
 _MIN_LOAD = 0.01  # load in units of E* g over the number of points, which a single point carries
 _FULL = 50.0  # excess of full contact over any target, in the logarithm
 
+Excess = Callable[[float], float]  # of a load over the one that is sought
+
 
 def target_loads(
     window: xr.DataArray,
@@ -64,7 +66,7 @@ def target_loads(
         )
     unit = modulus * gradient
     state = partial(_state, window, contact_modulus=modulus, hardness=hardness, **solver)
-    crossing = partial(_crossing, lower_limit=_MIN_LOAD * unit / window.size, limit=hardness)
+    crossing = partial(_crossing, lower_limit=_MIN_LOAD * unit / window.size, limit=hardness or math.inf)
 
     def area_excess(target_value: float, load: float) -> float:
         """Return by how much the area exceeds the wanted one, in the logarithm."""
@@ -125,11 +127,10 @@ def target_loads(
 
 def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> list[float]:
     """Return the mean pressures (Pa) of the section `contact`: as stated, relative, planned, by target."""
+    stated = {key: value for key, value in contact.items() if value is not None}
     material: dict[str, Any] = {key: contact.get(key) for key in ("contact_modulus", "hardness")}
-    load_settings, targets = (
-        {key: value for key in keys if (value := contact.get(key)) is not None}
-        for keys in (("mean_pressure", "relative_pressure"), TARGETS)
-    )
+    load_settings = {key: stated[key] for key in ("mean_pressure", "relative_pressure") if key in stated}
+    targets = {key: stated[key] for key in TARGETS if key in stated}
     loads = plan_loads(window, **material, **load_settings) if load_settings or not targets else []
     if targets:
         solver = {key: contact[key] for key in (*_SOLVER, "bodies") if key in contact}
@@ -179,12 +180,7 @@ def _first_yield(
 
 
 def _crossing(
-    excess: Callable[[float], float],
-    start: float,
-    *,
-    lower_limit: float = 0.0,
-    limit: float | None = None,
-    steady: bool = True,
+    excess: Excess, start: float, *, lower_limit: float = 0.0, limit: float = math.inf, steady: bool = True
 ) -> float | None:
     """Return the load from which on `excess`, which rises with the load, is not negative.
 
@@ -195,7 +191,7 @@ def _crossing(
     @cache
     def value_at(logarithm: float) -> float:
         load = math.exp(logarithm)
-        return _FULL if limit is not None and load >= limit else excess(load)
+        return _FULL if load >= limit else excess(load)
 
     step = math.log(2)
     low = high = math.log(start)

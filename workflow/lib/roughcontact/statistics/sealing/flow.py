@@ -7,11 +7,10 @@ from itertools import islice
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
 from roughcontact.statistics.sealing.connectivity import connected_regions
 from roughcontact.statistics.sealing.gas import slip_factor
-from roughcontact.statistics.sealing.multigrid import Cycle, Network, minimised, multigrid
+from roughcontact.statistics.sealing.multigrid import Network, Solver, minimised, multigrid
 
 _MAX_STEPS = 500
 _STEPS_COMPARED = 4  # steps that together must gain next to nothing
@@ -36,9 +35,8 @@ def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: floa
     factors, driven = np.zeros((2, 2)), np.zeros(2)
     if axes.size:
         is_open = around[region].any(axis=-1)  # pockets that no flow passes have no part in it
-        factors[np.ix_(axes, axes)], driven[axes] = _tensor(
-            np.where(is_open, gap, 0) / gap.mean(), steps, axes, tolerance
-        )
+        passed = np.where(is_open, gap, 0) / gap.mean()
+        factors[np.ix_(axes, axes)], driven[axes] = _tensor(passed, steps, axes, tolerance)
     return {
         "flow_factor_xx": factors[1, 1],
         "flow_factor_yy": factors[0, 0],
@@ -101,9 +99,8 @@ def _tensor(
         is_link = is_open & np.roll(is_open, -1, axis)
         cubed_gap, cubed_ahead = cubes[is_link], ahead[is_link]
         # half a cell of each in series; the product of the cubes may underflow
-        conductance = (
-            2 * cubed_gap * (cubed_ahead / (cubed_gap + cubed_ahead)) * steps[1 - axis] / steps[axis]
-        )
+        share = cubed_ahead / (cubed_gap + cubed_ahead)
+        conductance = 2 * cubed_gap * share * steps[1 - axis] / steps[axis]
         # half the sum of both gaps, over the width of the link: what a sliding face carries through it
         mean_gap = (gap[is_link] + np.roll(gap, -1, axis)[is_link]) / 2 * steps[1 - axis]
         links.append((number[is_link], np.roll(number, -1, axis)[is_link], conductance, mean_gap))
@@ -123,11 +120,7 @@ def _tensor(
 
 
 def _driven_flow(
-    network: Network,
-    uniform_drop: np.ndarray,
-    carried: np.ndarray,
-    solver: tuple[sp.csr_array, Cycle],
-    tolerance: float,
+    network: Network, uniform_drop: np.ndarray, carried: np.ndarray, solver: Solver, tolerance: float
 ) -> tuple[np.ndarray, float]:
     """Return the pressure drops over the links for uniform ones, and the sum of what they drive.
 

@@ -47,9 +47,10 @@ class _Level(NamedTuple):
 
 
 Cycle = Callable[[np.ndarray], np.ndarray]
+Solver = tuple[sp.csr_array, Cycle]
 
 
-def multigrid(network: Network, coordinates: np.ndarray) -> tuple[sp.csr_array, Cycle]:
+def multigrid(network: Network, coordinates: np.ndarray) -> Solver:
     """Return the matrix (n, n) of a network and a K-cycle of aggregation for it, which is not quite linear.
 
     Notay (2010), Electron. Trans. Numer. Anal. 37, 123, with blocks of 2 x 2 points, of which only those
