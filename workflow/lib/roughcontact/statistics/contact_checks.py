@@ -140,10 +140,8 @@ def _check_by_classes(statistics: xr.Dataset) -> Check:
     """Return the check of the pressure where no hardness is stated, by classes of materials."""
     modulus = float(statistics["contact_modulus"])
     mean, largest = (statistics[name].values / modulus for name in ("mean_contact_pressure", "max_pressure"))
-    figures = (
-        f"the mean pressure in contact reaches {number(mean.max(), digits=2)} E*, the largest "
-        f"{number(largest.max(), digits=2)} E*"
-    )
+    figures = f"the mean pressure in contact reaches {number(mean.max(), digits=2)} E*"
+    figures += f", the largest {number(largest.max(), digits=2)} E*"
     limits = "{:g} to {:g} E*".format(*materials.METALS)
     not_stated = "no hardness is stated"
     state = "State the hardness (contact.hardness, or that of the bodies)."

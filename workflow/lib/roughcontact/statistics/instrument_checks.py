@@ -117,20 +117,15 @@ def _traces(window: Attributes) -> Iterator[tuple[str, tuple[str, ...]]]:
         yield (stated, ()) if window["pixel_pitch"] <= limit else (sentence, (_RESOLVED,))
     if window["rounded_peaks"] > ROUNDED:
         radius = window["sharpest_peak_radius"]
-        sentence = (
-            f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more, and valleys are "
-            "sharp: the tip of a stylus or probe does this"
-        )
+        rounded = f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more"
+        sentence = f"{rounded}, and valleys are sharp: the tip of a stylus or probe does this"
         # half the radius: its estimate from the sharpest peaks is coarse
         is_stated = (Instrument.read(window).tip_radius or 0.0) > radius / 2
         stated = "Peaks are rounded, as the stated tip radius says"
         yield (stated, ()) if is_stated else (sentence, ("state the tip (instrument.tip_radius)",))
     if window.get("repeated_heights", 0.0) > REPEATED:  # which no setting states
-        sentence = (
-            "Neighbouring points often have exactly the same height: a median filter does this, and leaves "
-            "little of waves below about five pixels"
-        )
-        yield sentence, (_UNFILTERED,)
+        filtered = "a median filter does this, and leaves little of waves below about five pixels"
+        yield f"Neighbouring points often have exactly the same height: {filtered}", (_UNFILTERED,)
 
 
 def _exponent(window: Attributes) -> str:

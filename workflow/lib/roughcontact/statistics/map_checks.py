@@ -105,10 +105,8 @@ def scan_lines(attrs: Attributes, statistics: xr.Dataset | None = None) -> Check
         return passed(finding)
     text = f"The rows are shifted against one another, by {jitter} of the rms height (rms)"
     if evidence == "doubtful":
-        text = (
-            f"The rows share shifts of {jitter} of the rms height (rms), which may be drift of the scanner "
-            "or a lay along the rows"
-        )
+        text = f"The rows share shifts of {jitter} of the rms height (rms)"
+        text += ", which may be drift of the scanner or a lay along the rows"
     is_aligned, by_user = alignment != "none", attrs.get("line_alignment_by") == "user"
     if is_aligned:
         text += f"; they were aligned {'as asked ' if by_user else ''}({alignment})"
@@ -142,9 +140,8 @@ def form(attrs: Attributes, window: Attributes) -> Check | None:
     is_added = kind.adds_form(window)
     if kind.form_is_meant and not is_added:
         return None
-    text = (
-        f"A bow (second-order polynomial) makes up {percent(share)} of the mean square height of the window"
-    )
+    text = f"A bow (second-order polynomial) makes up {percent(share)} of the mean square height"
+    text += " of the window"
     if share <= FORM:
         return passed(f"{text}.")
     if is_added:
@@ -175,10 +172,8 @@ def periodicity(window: Attributes) -> Check:
     gradient_after = float(window.get("rms_gradient_uncorrected", np.hypot(gradient_after, removed_gradient)))
     change = gradient_after / gradient_before - 1 if gradient_before > 0 else 0.0
     relative = window.get("periodisation_relative_change", 0.0)
-    text = (
-        f"Making the window periodic ({method}) changed the heights by {percent(relative)} of their rms and "
-        f"the rms gradient by {percent(change)}."
-    )
+    text = f"Making the window periodic ({method}) changed the heights by {percent(relative)} of their rms"
+    text += f" and the rms gradient by {percent(change)}."
     effects = []
     if abs(change) > GRADIENT_CHANGE:
         effects.append("Peak pressures follow the gradient.")
