@@ -9,7 +9,7 @@ import re
 from functools import cache, partial
 from pathlib import Path
 from types import NoneType
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
@@ -20,6 +20,8 @@ from roughcontact.arguments.materials import MAX_FRICTION, MAX_HARDNESS, MIN_LOA
 from roughcontact.arguments.ranges import with_shares
 from roughcontact.arguments.settings.plausible import Range, Spelling, bare_number, setting_base
 from roughcontact.arguments.units import carries_unit, printed
+
+T = TypeVar("T")
 
 
 def _not_boolean(value: Any) -> Any:
@@ -126,9 +128,13 @@ RelativeRange = Annotated[
     OneOrMore(),
 ]
 _MAX_RELATIVE = 100.0  # load in units of E* g; any surface is in full contact long before
-_LISTED = Field(min_length=1, max_length=1000)  # each is solved
-_SERIES = Field(min_length=1, max_length=100)
 _ONE_OR_MORE = OneOrMore()
+# of values of a type: those of which each is solved, those of one solution, a range, limits with their sign
+Solved = Annotated[list[T], Field(min_length=1, max_length=1000), _ONE_OR_MORE]
+Series = Annotated[list[T], Field(min_length=1, max_length=100), _ONE_OR_MORE]
+Ranged = Annotated[T, OrRange()]
+AtMost = Annotated[T, BeforeValidator(partial(_without_sign, signs=("<=", "≤")))]
+AtLeast = Annotated[T, BeforeValidator(partial(_without_sign, signs=(">=", "≥")))]
 # quantities with a dimension: a bare number in SI units, in a plausible range, or a number with its unit
 Length = Annotated[Positive, Range("m", 1e-10, 0.1, above="longer than any map, layer or seal")]
 Height = Annotated[Positive, Range("m", 1e-12, 1e-3)]  # also of tips, and pixels
@@ -140,7 +146,7 @@ Strength = Annotated[
 ]
 _LOAD_WORDS = ("next to no load", "more than any contact bears")
 Pressure = Annotated[Positive, Range("Pa", MIN_LOAD, STIFFEST, *_LOAD_WORDS, likely_factors=(1e6, 1e3))]
-# aerogels to diamond; metals to conductive polymers; air to cold oil; liquids on polymers to clean metals
+# aerogels to diamond; metals to conductive polymers
 Conductivity = Annotated[Positive, Range("W m-1 K-1", 1e-3, 1e4)]
 Resistivity = Annotated[Positive, Range("Ohm m", 1e-9, 0.1)]
 Area = Annotated[Positive, Range("m2", 1e-14, 1e3)]
@@ -150,25 +156,19 @@ Speed = Annotated[Positive, Range("m s-1", 1e-9, 1e3)]
 Flow = Annotated[Positive, Range("m3 s-1", 1e-18, 1.0)]
 Resistance = Annotated[Positive, Range("Ohm", 1e-9, 1e6)]
 TemperatureDrop = Annotated[Positive, Range("K", 1e-6, 5e3)]
-_AT_MOST = BeforeValidator(partial(_without_sign, signs=("<=", "≤")))
-_AT_LEAST = BeforeValidator(partial(_without_sign, signs=(">=", "≥")))
-# of hard coatings in oil to soft polymers on rough steel
+RelativeLoad = Annotated[Positive, BeforeValidator(_relative_load)]
+Force = Annotated[Positive, Range("N", 1e-9, 1e8)]
+Loads = Solved[Pressure]
+Slid = Annotated[Positive, Range("m", 1e-9, 1e9)]
+ThermalResistance = Annotated[Positive, Range("m2 K W-1", 1e-12, 10.0)]  # times area, as the next one
+ContactResistance = Annotated[Positive, Range("Ohm m2", 1e-18, 1.0)]
 Angle = Annotated[Number, Range("degree", -720, 720)]
-Shares = Annotated[list[Annotated[Number, Field(gt=0, lt=1)]], _LISTED, _ONE_OR_MORE]
 Directions = Annotated[
     Annotated[list[Angle], Field(min_length=1, max_length=36), OneOrMore({"const": "both ways"})],
     BeforeValidator(_ways),
 ]
-Distances = Annotated[list[Annotated[Positive, Range("m", 1e-9, 1e9)]], _SERIES, _ONE_OR_MORE]
-Speeds = Annotated[list[Speed], _SERIES, _ONE_OR_MORE]
-Gaps = Annotated[list[Height], _LISTED, _ONE_OR_MORE]
-RelativeLoads = Annotated[list[Annotated[Positive, BeforeValidator(_relative_load)]], _LISTED, _ONE_OR_MORE]
-Loads = Annotated[list[Pressure], _LISTED, _ONE_OR_MORE]
 Radius = Annotated[Positive, Range("m", 1e-9, 1e3)]
 Radii = Annotated[list[Radius], Field(min_length=1, max_length=2), _ONE_OR_MORE]
-Forces = Annotated[list[Annotated[Positive, Range("N", 1e-9, 1e8)]], _LISTED, _ONE_OR_MORE]
-Times = Annotated[list[Time], _SERIES, _ONE_OR_MORE]
-Slips = Annotated[list[Annotated[Number, Field(gt=0, le=1)]], _SERIES, _ONE_OR_MORE]
 Targets = Annotated[
     list[choices.LoadTarget], Field(min_length=1, max_length=len(get_args(choices.LoadTarget))), _ONE_OR_MORE
 ]
@@ -329,15 +329,15 @@ class Layer(Section):
     """for the report"""
     thickness: Length = Field(examples=["2 µm"])
     """of the layer"""
-    youngs_modulus: Annotated[Modulus, OrRange()] = Field(examples=["180 GPa"])
+    youngs_modulus: Ranged[Modulus] = Field(examples=["180 GPa"])
     """Young's modulus of the layer"""
     poissons_ratio: Number = Field(gt=-1, le=0.5, examples=[0.2])
     """Poisson's ratio of the layer, no unit"""
     yield_stress: Strength | None = _example("4 GPa")
     """of the layer in tension: as that of a body, which with layers is that of its base"""
-    thermal_conductivity: Annotated[Conductivity, OrRange()] | None = _example(2.0)
+    thermal_conductivity: Ranged[Conductivity] | None = _example(2.0)
     """of the layer"""
-    electrical_resistivity: Annotated[Resistivity, OrRange()] | None = _example(1.0e-3)
+    electrical_resistivity: Ranged[Resistivity] | None = _example(1.0e-3)
     """of the layer"""
     youngs_modulus_uncertainty: RelativeRange | None = _example(0.1)
     """as that of a body, as the two below"""
@@ -354,7 +354,7 @@ class Body(Section):
 
     name: str | None = Field(default=None, max_length=64, examples=["steel"])
     """of the material, for the report"""
-    youngs_modulus: Annotated[Modulus, OrRange()] | None = Field(examples=["210 GPa"])
+    youngs_modulus: Ranged[Modulus] | None = Field(examples=["210 GPa"])
     """Young's modulus E; it, the hardness and the conductivities may be ranges, [1.1 GPa, 1.8 GPa]"""
     poissons_ratio: Annotated[Number, Field(gt=-1, le=0.5)] | None = Field(examples=[0.3])
     """Poisson's ratio, no unit"""
@@ -376,14 +376,14 @@ class Body(Section):
     )
     """bonded layers from the surface inwards, each with thickness, Young's modulus, Poisson's ratio and, if
     known, yield stress"""
-    hardness: Annotated[Strength, OrRange()] | None = _example("2 GPa")
+    hardness: Ranged[Strength] | None = _example("2 GPa")
     """largest pressure that its surface carries before it yields (indentation hardness)"""
     yield_stress: Strength | None = _example("400 MPa")
     """in tension: the results then include the stresses below the surface and the load at which it yields
     there"""
-    thermal_conductivity: Annotated[Conductivity, OrRange()] | None = _example(50.0)
+    thermal_conductivity: Ranged[Conductivity] | None = _example(50.0)
     """of both bodies: the results then include the thermal contact conductance"""
-    electrical_resistivity: Annotated[Resistivity, OrRange()] | None = _example(2.0e-7)
+    electrical_resistivity: Ranged[Resistivity] | None = _example(2.0e-7)
     """of both bodies: the results then include the electrical contact conductance"""
     youngs_modulus_uncertainty: RelativeRange | None = _example(0.05)
     """instead of a range, relative, expanded (95 %), no unit, one number or one below and one above, as those
@@ -413,7 +413,7 @@ _PEEK |= {"hardness": "0.3 GPa", "thermal_conductivity": 0.3}
 class Contact(Section):
     """The contact problem: contact_modulus or bodies, mean_pressure or relative_pressure or neither."""
 
-    contact_modulus: Annotated[Modulus, OrRange()] | None = _example("115 GPa")
+    contact_modulus: Ranged[Modulus] | None = _example("115 GPa")
     """plane-strain contact modulus E*, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; 115 GPa for steel on
     steel"""
     bodies: list[Body] | None = Field(
@@ -423,25 +423,25 @@ class Contact(Section):
     Poisson's ratios and optional properties, to which material: steel adds those of a name"""
     mean_pressure: Loads | None = _example(["1 MPa", "2 MPa", "5 MPa", "10 MPa", "20 MPa", "50 MPa"])
     """nominal pressure, one number or a list; if no load is given, log-spaced loads are planned"""
-    relative_pressure: RelativeLoads | None = _example([0.01, 0.05, 0.2])
+    relative_pressure: Solved[RelativeLoad] | None = _example([0.01, 0.05, 0.2])
     """nominal pressure / (E* x rms gradient of the window), no unit, one number or a list"""
     boundary: choices.Boundary = "periodic"
     """periodic: the map repeats; free: a body of finite size (section form) under a force"""
-    force: Forces | None = _example("50 N")
+    force: Solved[Force] | None = _example("50 N")
     """one number or a list: on a body of finite size; with an area, or on a local scale (form), instead of a
     mean pressure"""
     area: Area | None = _example("3 cm²")
     """nominal area that carries the force"""
-    target_area: Shares | None = _example([0.1])
+    target_area: Solved[Annotated[Number, Field(gt=0, lt=1)]] | None = _example([0.1])
     """relative contact area whose load is found and solved, in addition to the given loads; one number or a
     list"""
-    target_gap: Gaps | None = _example(["0.2 µm"])
+    target_gap: Solved[Height] | None = _example(["0.2 µm"])
     """mean gap whose load is found and solved, in addition to the given loads; one number or a list"""
     target: Targets | None = _example(["percolation"])
     """further states whose load is found and solved: percolation, at which the gap closes along x and along
     y; first_yield, at which a body begins to yield (its yield stress below the surface, otherwise the
     hardness)"""
-    time: Times | None = _example(["1 h", "1000 h"])
+    time: Series[Time] | None = _example(["1 h", "1000 h"])
     """times after which a body has crept by its relaxation; those of a creep modulus stand there"""
     contact_modulus_uncertainty: HalfRange | None = _example(0.05)
     """of the contact modulus, relative, expanded (95 %), no unit; it is part of the ±"""
@@ -452,7 +452,7 @@ class Contact(Section):
     zero_frequency: choices.ZeroFrequency = "zero"
     """mean displacement in the approach: zero, nogi-kato (its mean over the q = 0 cell), lattice (one contact
     per window in free space); pressure and area do not depend on it"""
-    hardness: Annotated[Strength, OrRange()] | None = _example("2 GPa")
+    hardness: Ranged[Strength] | None = _example("2 GPa")
     """largest pressure that the softer body carries before it yields (indentation hardness): the upper limit
     of the pressure; not given here if bodies state theirs; without any: elastic throughout"""
     hardness_uncertainty: RelativeRange | None = _example([0.2, 0.3])
@@ -523,26 +523,22 @@ class Joint(Section):
 class Requirement(Section):
     """What the surface has to meet; the results say whether it holds, and up to which Sq it would."""
 
-    thermal_resistance: Annotated[Positive, Range("m2 K W-1", 1e-12, 10.0), _AT_MOST] | None = _example(
-        "<= 2e-6 m² K/W"
-    )
+    thermal_resistance: AtMost[ThermalResistance] | None = _example("<= 2e-6 m² K/W")
     """thermal resistance times area at most, with film and gas; needs the thermal conductivity of both
     bodies"""
-    contact_resistance: Annotated[Positive, Range("Ohm m2", 1e-18, 1.0), _AT_MOST] | None = _example(
-        "<= 10 µΩ mm²"
-    )
+    contact_resistance: AtMost[ContactResistance] | None = _example("<= 10 µΩ mm²")
     """electrical resistance times area at most; needs the electrical resistivity of both bodies"""
-    gap: Annotated[Positive, Range("m", 1e-12, 0.01), _AT_MOST] | None = _example("<= 0.5 µm")
+    gap: AtMost[Annotated[Positive, Range("m", 1e-12, 0.01)]] | None = _example("<= 0.5 µm")
     """mean gap at most"""
-    contact_area: Annotated[Positive, Field(lt=1), _AT_LEAST] | None = _example(">= 0.1")
+    contact_area: AtLeast[Annotated[Positive, Field(lt=1)]] | None = _example(">= 0.1")
     """relative contact area at least, no unit"""
-    leak: Annotated[Flow, _AT_MOST] | None = _example("<= 1 ml/h")
+    leak: AtMost[Flow] | None = _example("<= 1 ml/h")
     """leak of the whole seal at most; needs a seal with its perimeter"""
-    resistance: Annotated[Resistance, _AT_MOST] | None = _example("<= 1 mΩ")
+    resistance: AtMost[Resistance] | None = _example("<= 1 mΩ")
     """electrical resistance of the whole joint at most; needs the area of the joint"""
-    temperature_drop: Annotated[TemperatureDrop, _AT_MOST] | None = _example("<= 2 K")
+    temperature_drop: AtMost[TemperatureDrop] | None = _example("<= 2 K")
     """temperature drop across the joint at most; needs area and heat flow of the joint"""
-    pressure: Annotated[Strength, _AT_MOST] | None = _example("<= 1 GPa")
+    pressure: AtMost[Strength] | None = _example("<= 1 GPa")
     """largest pressure in the contact at most"""
 
 
@@ -551,9 +547,9 @@ class Friction(Section):
 
     coefficient: Annotated[Number, Field(gt=0, le=MAX_FRICTION)] | None = _example(0.2)
     """coefficient of friction mu, no unit"""
-    tangential_load: Slips | None = _example([0.3, 0.6])
+    tangential_load: Series[Annotated[Number, Field(gt=0, le=1)]] | None = _example([0.3, 0.6])
     """Q/(mu P), below the load of sliding; 1 is full slip; needs the coefficient"""
-    shear_strength: Annotated[Strength, OrRange()] | None = _example("50 MPa")
+    shear_strength: Ranged[Strength] | None = _example("50 MPa")
     """of the contact: the coefficient of friction follows from the area"""
     shear_strength_uncertainty: RelativeRange | None = _example(0.2)
     """of the shear strength, as that of the hardness"""
@@ -596,11 +592,12 @@ class Statistics(Section):
 class Wear(Section):
     """Running-in: wear of the face by sliding against a smooth one; see docs/how-to/running-in.md."""
 
+    # hard coatings in oil to soft polymers on rough steel
     coefficient: Annotated[Positive, Range("Pa-1", 1e-22, 1e-8)] | None = _example("1e-7 mm³/(N m)")
     """wear coefficient k, worn volume over load and distance; left empty: no wear"""
     coefficient_factor: Annotated[Number, Field(ge=1, le=1e6)] = 1.0
     """factor by which the coefficient may be higher or lower (95 %), no unit: it moves the distances alone"""
-    distance: Distances | None = _example(["0.1 m", "1 m", "10 m", "100 m"])
+    distance: Series[Slid] | None = _example(["0.1 m", "1 m", "10 m", "100 m"])
     """sliding distances whose faces and contacts are written to worn.nc, rising; needs the coefficient"""
     mean_pressure: Pressure | None = _example("20 MPa")
     """nominal pressure of sliding; left empty: the largest load of the contact"""
@@ -609,7 +606,7 @@ class Wear(Section):
 class Sliding(Section):
     """Friction of rubber that slides over the face; see docs/how-to/rubber.md."""
 
-    speed: Speeds | None = _example(["1 mm/s", "10 mm/s", "0.1 m/s", "1 m/s"])
+    speed: Series[Speed] | None = _example(["1 mm/s", "10 mm/s", "0.1 m/s", "1 m/s"])
     """speeds at which it slides, rising; one of the bodies states its relaxation; left empty: no sliding"""
     direction: Directions = Field(default_factory=lambda: [0.0])
     """in which it slides over the face, from x towards y: one, several, or both ways (0 and 180)"""
