@@ -13,7 +13,8 @@ from roughcontact.arguments import units
 from roughcontact.arguments.settings.fields import section_model
 from roughcontact.arguments.settings.models import Settings
 from roughcontact.arguments.settings.plausible import setting_base
-from roughcontact.arguments.si import QUANTITIES, labelled_in_si
+from roughcontact.arguments.si import labelled_in_si
+from roughcontact.arguments.units import BASES
 from roughcontact.surface.roughness import heights, parameters, spectrum, summits, texture, traces
 
 LENGTHS = units.spellings("m")
@@ -229,7 +230,7 @@ def test_the_names_of_quantities_are_those_of_the_settings():
                 walk(below, f"{name}." if name in ("seal", "joint", "requirement") else "")
 
     walk(Settings)
-    missing = {name: base for name, base in quantities.items() if QUANTITIES.get(name) != base}
+    missing = {name: base for name, base in quantities.items() if BASES.get(name) != base}
     # not arguments of a public function that takes a map; run_in has wear_coefficient, sliding_distance
     of_runs = {"target_gap", "force", "area", "unload", "radius", "coefficient", "distance", "time"}
     of_runs |= {"creep_modulus"}

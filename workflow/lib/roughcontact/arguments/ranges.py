@@ -4,17 +4,12 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from roughcontact.arguments.units import carries_unit, convert_to_base_unit
+from roughcontact.arguments.units import BASES, carries_unit, convert_to_base_unit
 
 Shares = Sequence[float]  # of the value: one both below and above, or one below and one above
-# properties that may be a range, whose shares are in `{property}_uncertainty`, and their base units
-OF_BODIES = {
-    "youngs_modulus": "Pa",
-    "hardness": "Pa",
-    "thermal_conductivity": "W m-1 K-1",
-    "electrical_resistivity": "Ohm m",
-}
-_RANGED = OF_BODIES | {"contact_modulus": "Pa", "shear_strength": "Pa"}
+# properties that may be a range, whose shares are in `{property}_uncertainty`
+OF_BODIES = ("youngs_modulus", "hardness", "thermal_conductivity", "electrical_resistivity")
+_RANGED = {*OF_BODIES, "contact_modulus", "shear_strength"}
 TO = ".."  # between both ends, where a range is text
 _DIGITS = 6  # of a share
 
@@ -78,14 +73,14 @@ def with_shares(section: Any, names: Iterable[str]) -> Any:
     if not isinstance(section, Mapping):
         return section
     full = dict(section)
-    for name in _RANGED.keys() & {*names} & full.keys():
+    for name in _RANGED & {*names} & full.keys():
         # one number, or a list of loads, is no range
         if (pair := both_ends(full[name])) is None:
             continue
         if full.get(name_of_range(name)) is not None:
             raise ValueError(f"{name} is a range, and {name_of_range(name)} is given too; give one of them")
         try:
-            low, high = sorted(float(convert_to_base_unit(end, _RANGED[name])) for end in pair)
+            low, high = sorted(float(convert_to_base_unit(end, BASES[name])) for end in pair)
         except (TypeError, ValueError):
             continue  # the check of the setting itself names it
         if not 0 < low < high < math.inf:

@@ -15,38 +15,12 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.ranges import both_ends
-from roughcontact.arguments.units import convert_to_base_unit, unit_factor, unknown_unit
+from roughcontact.arguments.units import BASES, convert_to_base_unit, unit_factor, unknown_unit
 from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _Labelled = TypeVar("_Labelled", xr.DataArray, xr.Dataset)
 
-# base unit -> arguments, and keys of mappings among them, that may be text with a unit
-_NAMES = {
-    "m": "s_filter l_filter shortest_wavelength longest_wavelength thickness shift seal.width "
-    "noise resolution wavelength tip_radius spacing joint.temperature_jump joint.film_thickness "
-    "sliding_distance seal.perimeter seal.mean_free_path requirement.gap",
-    "m2": "joint.area",
-    "m3 s-1": "seal.allowed_leak requirement.leak",
-    "Ohm": "joint.allowed_resistance requirement.resistance",
-    "K": "joint.allowed_temperature_drop requirement.temperature_drop",
-    "m2 K W-1": "requirement.thermal_resistance",
-    "Ohm m2": "requirement.contact_resistance",
-    "W": "joint.heat_flow",
-    "Pa-1": "wear_coefficient",
-    "Pa": "contact_modulus mean_pressure peak_pressure hardness youngs_modulus yield_stress start "
-    "seal.pressure_difference seal.outlet_pressure shear_strength allowed_pressure "
-    "requirement.pressure long_time_modulus moduli",
-    "N": "force",
-    "degree": "rotation rotations direction",
-    "J m-2": "work_of_adhesion",
-    "Pa s": "seal.viscosity",
-    "W m-1 K-1": "thermal_conductivity joint.gas_conductivity joint.film_conductivity",
-    "m s-1": "speed",
-    "m2 s-1": "thermal_diffusivity",
-    "Ohm m": "electrical_resistivity",
-}
-QUANTITIES = {name: base for base, names in _NAMES.items() for name in names.split()}
 # variables that have to be in a unit of this kind; a map alone is named as its heights are spoken of
 _HEIGHTS = "the heights"
 _FIELDS: dict[Any, str] = dict.fromkeys((_HEIGHTS, "y", "x", "height", "gap"), "m")
@@ -135,18 +109,18 @@ def _of_kind(name: str, value: Any, kind: Any) -> Any:
 def _as_si(name: str, value: Any) -> Any:
     """Return the value of an argument in SI, or raise SettingsError for text with an unknown unit."""
     if isinstance(value, xr.DataArray):
-        return _as_si(name, listed(value)) if name in QUANTITIES else labelled_in_si(value)
+        return _as_si(name, listed(value)) if name in BASES else labelled_in_si(value)
     if isinstance(value, xr.Dataset):
         return labelled_in_si(value)
     if isinstance(value, Mapping):
         inside = f"{name}." if name in ("seal", "joint", "requirement") else ""
         # keys of these sections are names of other quantities elsewhere
         return {key: _as_si(f"{inside}{key}", entry) for key, entry in value.items()}
-    if isinstance(value, str) and name in QUANTITIES:
+    if isinstance(value, str) and name in BASES:
         value = both_ends(value) or value  # a range in text: both ends are converted
     if type(value) in (list, tuple):
         return type(value)(_as_si(name, entry) for entry in value)
-    return convert_quantity(QUANTITIES[name], name, value) if name in QUANTITIES else value
+    return convert_quantity(BASES[name], name, value) if name in BASES else value
 
 
 def listed(value: Any) -> Any:
