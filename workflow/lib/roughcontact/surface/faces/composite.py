@@ -109,9 +109,8 @@ def composite(
     on_filled &= is_measured
     attrs = _attributes(lower, upper, on_filled)
     coverage = float(is_measured.mean() * pair.covered_share(positions))
-    axes = [axis for axis, n in enumerate(lower.shape) if n > 1]
-    pitches = [max(side.step[axis] for axis in axes) for side in (lower, upper)]
-    sizes = [math.prod(side.lengths[axis] for axis in axes) for side in (lower, upper)]
+    # of profiles their length counts, not their width
+    sizes = [math.prod(side.lengths) if min(side.shape) > 1 else max(side.lengths) for side in (lower, upper)]
     attrs |= {
         "source_file": pair.name,
         "form": "mean" if pair.is_periodic() else "plane",
@@ -121,7 +120,7 @@ def composite(
         "rotation": float(rotation),
         "covered_share": coverage,
         "covered_share_of_larger": coverage * sizes[0] / max(sizes),
-        "face_pitches": pitches,
+        "face_pitches": [max(lower.step), max(upper.step)],
     }
     coords = {
         "y": ("y", coordinates[0], {"units": "m"}),

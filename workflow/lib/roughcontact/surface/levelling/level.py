@@ -279,7 +279,7 @@ def _filter(
     for name, index in nesting_indices.items():
         if index is None:
             continue
-        pixels = 2 * max(d for n, d in zip(values.shape, step, strict=True) if n > 1)  # along a profile
+        pixels = 2 * max(step)
         if name == "l_filter" and index < pixels:
             raise HeightMapError(
                 f"level.l_filter = {index:g} m is less than two pixels ({pixels:g} m): no wave would remain"

@@ -312,7 +312,7 @@ def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[floa
     """Return the shortest wavelength in a system of lengths in which the pitch is `unit` = (dy, dx)."""
     # shells as wide as the fundamental, centred on its multiples, so that a cut-off at a whole number of
     # waves is reproduced exactly
-    fundamental = 2 * np.pi / max(n * d for n, d in zip(height.shape, unit, strict=True) if n > 1)
+    fundamental = 2 * np.pi / max(n * d for n, d in zip(height.shape, unit, strict=True))
     qy, qx = fourier.wavevectors(height.shape, unit)
     last = int(np.rint(np.sqrt((qy**2).max() + qx[0, -1] ** 2) / fundamental))
     share = np.zeros(last + 1)
@@ -332,5 +332,4 @@ def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[floa
     while edge + 1 < share.size and share[edge + 1] > _EDGE_DROP * level_below_edge:
         edge += 1
     cutoff = fundamental * edge
-    pitch = min(d for n, d in zip(height.shape, unit, strict=True) if n > 1)
-    return float(max(2 * np.pi / cutoff, 2 * pitch))
+    return float(max(2 * np.pi / cutoff, 2 * min(unit)))

@@ -64,11 +64,10 @@ def profile_parameters(profiles: xr.DataArray) -> dict[str, float]:
     values = check_map(profiles)
     if "filled" in profiles.coords:
         values[profiles["filled"].values.astype(bool)] = np.nan  # filled points are no measurement
-    pitch = min(step for step, points in zip(spacing(profiles), profiles.shape, strict=True) if points > 1)
     rows = values if values.shape[1] > 1 else values.T
     l_filter = json_attribute(profiles.attrs, "filters_removed").get("l_filter")
     section = l_filter and l_filter["nesting_index"]["value"]
-    parameters = [_parameters(row, pitch, section) for row in rows]
+    parameters = [_parameters(row, min(spacing(profiles)), section) for row in rows]
     prefix = "R" if l_filter else "P"  # ISO 21920-2: R of a profile without waviness, P of a primary one
     return {prefix + name: float(np.mean([row[name] for row in parameters])) for name in parameters[0]}
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.si import as_si
 from roughcontact.kernels import fourier
 from roughcontact.kernels.waves import each_wave, wave_power
@@ -79,11 +79,9 @@ def isotropic_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
     [1. 2. 3. 4.] [4. 0. 0. 0.]
     """
     power = wave_power(height.values)
-    axes = [(n * d, d) for n, d in zip(height.shape, spacing(height), strict=True) if n > 1]
-    longest, coarsest = (max(values) for values in zip(*axes, strict=True))
-    fundamental = 2 * np.pi / longest
+    fundamental = 2 * np.pi / max(side_lengths(height))
     # beyond the shorter Nyquist limit shells would be cut off
-    last = max(int(np.pi / coarsest / fundamental * (1 + 1e-9)), 1)
+    last = max(int(np.pi / max(spacing(height)) / fundamental * (1 + 1e-9)), 1)
     sides = fourier.halfplane_weights(height.shape)
     count, total, mean = np.zeros((3, last + 1))
     for squares, ring_power in each_wave(power, height.shape, spacing(height)):

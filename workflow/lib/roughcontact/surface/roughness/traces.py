@@ -78,22 +78,21 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     profile = dimensions(values.shape) == 1
     steep = exponents < MAX_GRADIENT + profile  # areal: a profile's exponent is larger by one
     fall = int(np.argmax(steep) if steep.any() else np.argmin(exponents))
-    pitches = [d for n, d in zip(values.shape, steps, strict=True) if n > 1]
     floor, top = _floor(power, frequency)
     curvatures, seconds = _curvatures(values, steps)
     # of white noise second differences have six times the variance of the heights
-    noise = [np.mean(second**2) * d**4 / 6 for second, d in zip(seconds, pitches, strict=True)]
+    noise = [np.mean(second**2) * d**4 / 6 for second, d in zip(seconds, steps[-len(seconds) :], strict=True)]
     return {
         "spectrum_exponent": float(exponents.min()) - profile,
         # a frequency of 1 is two pixels
-        "spectrum_end": float(2 * max(pitches) / wavelengths[fall]),
+        "spectrum_end": float(2 * max(steps) / wavelengths[fall]),
         "spectrum_bend": _bend(bands),
         "rounded_peaks": float(np.mean([_roundness(curvature) for curvature in curvatures])),
         "sharpest_peak_radius": float(-1 / np.mean([np.quantile(c, _TAIL) for c in curvatures])),
         "top_exponent": top - profile,
         "noise_floor": float(np.sqrt(floor * values.size)),
         "pixel_roughness": float(np.sqrt(min(noise))),
-        "pixel_pitch": float(max(pitches)),
+        "pixel_pitch": float(max(steps)),
     }
 
 

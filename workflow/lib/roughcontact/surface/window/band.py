@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.kernels.fourier import halfplane_weights, wavenumbers
@@ -37,9 +37,7 @@ def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
     >>> reliable_wavelength(height.assign_attrs(instrument="{}"))
     (2e-06, 'two pixels')
     """
-    # of oblong pixels the longer side limits
-    pitch = max(d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1)
-    limits = [(2 * pitch, "two pixels")]
+    limits = [(2 * max(spacing(height)), "two pixels")]  # of oblong pixels the longer side limits
     aperture = numerical_aperture(json_attribute(height.attrs, "instrument"))
     if aperture:
         limits.append((lateral_period_limit(aperture), f"the lens (numerical aperture {aperture:g})"))
@@ -105,12 +103,9 @@ def limit_band(
             )
         # what lies outside is taken away, so that heights within the band keep all their digits
         values = values - np.fft.irfft2(spectrum, s=values.shape)
-    # a profile has a pitch across its length, too, which means nothing
-    pitches = [d for n, d in zip(window.shape, step, strict=True) if n > 1]
-    lengths = [n * d for n, d in zip(window.shape, step, strict=True) if n > 1]
     return window.copy(data=values).assign_attrs(
-        band_shortest=float(max(shortest or 0.0, 2 * min(pitches))),
-        band_longest=float(min(longest or math.inf, max(lengths))),
+        band_shortest=float(max(shortest or 0.0, 2 * min(step))),
+        band_longest=float(min(longest or math.inf, max(side_lengths(window)))),
         band_reason=reason,
         band_removed_rms_height=math.sqrt(removed_power.sum()),
         band_removed_rms_gradient=math.sqrt((q**2 * removed_power).sum()),

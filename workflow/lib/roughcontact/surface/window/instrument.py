@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.arguments.kinds import facts_of, number_of_faces, properties_of_map
-from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.errors import SettingsError
 from roughcontact.surface.window.band import lateral_period_limit, numerical_aperture
@@ -45,8 +45,7 @@ def window_arguments(height: xr.DataArray, settings: Mapping[str, Mapping[str, A
 
 def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> None:
     """Refuse statements about an instrument that cannot be true of a map (y, x; m)."""
-    sides = [(n * step, step) for n, step in zip(window.shape, spacing(window), strict=True) if n > 1]
-    length, pixel = (max(values) for values in zip(*sides, strict=True))
+    length, pixel = max(side_lengths(window)), max(spacing(window))
     rms_height = float(window.std()) if instrument.get("noise") else 0.0
     for key, value in instrument.items():
         if value is not None and not value >= 0:
