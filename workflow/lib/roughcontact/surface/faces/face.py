@@ -50,27 +50,26 @@ class Face:
 
         The positions y, x (m, arrays of one shape) are relative to the middle of the map.
         """
+        step, points = (np.reshape(sides, (2, *(1,) * y.ndim)) for sides in (self.step, self.shape))
         # in pixels from the first point
-        indices = [p / d + (n - 1) / 2 for p, d, n in zip((y, x), self.step, self.shape, strict=True)]
+        indices = np.array([y, x]) / step + (points - 1) / 2
         # points that meet need no interpolation, which would smooth them
-        indices = [np.where(np.abs(p - np.rint(p)) < POINT_TOLERANCE, np.rint(p), p) for p in indices]
+        nearest = np.rint(indices)
+        indices = np.where(np.abs(indices - nearest) < POINT_TOLERANCE, nearest, indices)
         if self.periodic:
-            inside = np.ones(indices[0].shape, dtype=bool)
-            indices = [p % n for p, n in zip(indices, self.shape, strict=True)]
+            inside, indices = np.ones(y.shape, dtype=bool), indices % points
         else:
-            inside = np.logical_and.reduce(
-                [(p >= 0) & (p <= n - 1) for p, n in zip(indices, self.shape, strict=True)]
-            )
+            inside = ((indices >= 0) & (indices <= points - 1)).all(axis=0)
             # any valid place: the height there is masked below
-            indices = [np.clip(p, 0, n - 1) for p, n in zip(indices, self.shape, strict=True)]
-        if all(np.array_equal(p, np.rint(p)) for p in indices):
-            index = tuple(p.astype(int) for p in indices)
+            indices = np.clip(indices, 0, points - 1)
+        if np.array_equal(indices, np.rint(indices)):
+            index = tuple(indices.astype(int))
             values, on_filled = self.values[index], self.filled[index]
         else:
             values, on_filled = self._interpolate(indices)
         return np.where(inside, values, np.nan), on_filled & inside
 
-    def _interpolate(self, indices: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    def _interpolate(self, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return heights and mask between the points; positions next to a missing point are missing."""
         from scipy.interpolate import make_interp_spline
         from scipy.ndimage import distance_transform_edt, map_coordinates

@@ -28,8 +28,7 @@ _RAYLEIGH = math.sqrt(math.pi) / 2  # mean over rms of the moduli of the waves o
 def check_repeat(height: xr.DataArray, repeat: xr.DataArray) -> None:
     """Raise a HeightMapError for two maps (y, x; m) whose points are not those of one area."""
     names = [height.attrs.get("source_file") or "a map" for height in (height, repeat)]
-    steps = [spacing(height) for height in (height, repeat)]
-    if height.shape != repeat.shape or not np.allclose(steps[0], steps[1], rtol=1e-6, atol=0):
+    if height.shape != repeat.shape or not np.allclose(spacing(height), spacing(repeat), rtol=1e-6, atol=0):
         sizes = [f"{height.shape[1]} x {height.shape[0]} points" for height in (height, repeat)]
         raise HeightMapError(
             f"repeat_of: {names[0]} ({sizes[0]}) and {names[1]} ({sizes[1]}) differ in size "
@@ -53,9 +52,8 @@ def noise_of_repeats(height: xr.DataArray, repeat: xr.DataArray) -> tuple[float,
     heights = [level(height, fill="none", outlier_threshold=None).values for height in (height, repeat)]
     is_measured = np.isfinite(heights[0]) & np.isfinite(heights[1])
     first_heights, second_heights = (height[is_measured] - height[is_measured].mean() for height in heights)
-    correlation = float(first_heights @ second_heights) / math.sqrt(
-        float(first_heights @ first_heights) * float(second_heights @ second_heights) or 1.0
-    )
+    squares = float(first_heights @ first_heights) * float(second_heights @ second_heights)
+    correlation = float(first_heights @ second_heights) / math.sqrt(squares or 1.0)
     if not correlation >= _MIN_CORRELATION:
         raise HeightMapError(
             f"repeat_of: {names[0]} and {names[1]} do not show the same place (correlation "

@@ -3,8 +3,8 @@
 Frequencies are counted in units of the Nyquist frequency of each axis: these traces belong to the pixels.
 """
 
+from collections.abc import Iterator
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -30,17 +30,6 @@ _FEW_STEPS = 0.03  # of the median step between neighbours: steps up to it are c
 _QUANTA = 0.7  # scale of the exponential distribution of steps in units of their median: ln 2
 _COARSE = 0.4  # quantum over median step from which on most steps of zero are those of the quantisation
 _STEP_TOLERANCE = 1e-6  # of the median step: equal, but for rounding
-
-
-class _Bands(NamedTuple):
-    """Mean and median power in each band of frequency, and the relative standard error of the mean.
-
-    All are NaN in bands of too few waves.
-    """
-
-    mean: np.ndarray
-    median: np.ndarray
-    error: np.ndarray
 
 
 @as_si
@@ -71,8 +60,8 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     power, ny, nx = wave_power(values), *values.shape
     # 1 for the Nyquist frequency of an axis
     frequency = 2 * np.hypot(np.fft.fftfreq(ny)[:, None], np.fft.rfftfreq(nx))
-    bands = _bands(power, frequency)
-    exponents, wavelengths = _exponents(bands)
+    mean, median, error = _bands(power, frequency)
+    exponents, wavelengths = _exponents(mean, median)
     if exponents.size == 0 or not np.ptp(values):
         return {}
     profile = dimensions(values.shape) == 1
@@ -86,7 +75,7 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
         "spectrum_exponent": float(exponents.min()) - profile,
         # a frequency of 1 is two pixels
         "spectrum_end": float(2 * max(steps) / wavelengths[fall]),
-        "spectrum_bend": _bend(bands),
+        "spectrum_bend": _bend(mean, median, error),
         "rounded_peaks": float(np.mean([_roundness(curvature) for curvature in curvatures])),
         "sharpest_peak_radius": float(-1 / np.mean([np.quantile(c, _TAIL) for c in curvatures])),
         "top_exponent": top - profile,
@@ -120,8 +109,11 @@ def repeated_heights(values: np.ndarray) -> float:
     return float((step.size - distinct_steps.size) / few_steps / expected_share)
 
 
-def _bands(power: np.ndarray, frequency: np.ndarray) -> _Bands:
-    """Return what the waves of each band of frequency have."""
+def _bands(power: np.ndarray, frequency: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield mean and median power in each band of frequency, and the relative standard error of the mean.
+
+    All are NaN in bands of too few waves.
+    """
     band = np.digitize(frequency, _EDGES).ravel()
     number, waves = _EDGES.size + 1, power.ravel()
     count, total, squares = (
@@ -135,17 +127,18 @@ def _bands(power: np.ndarray, frequency: np.ndarray) -> _Bands:
     mean = total / np.maximum(count, 1)  # a band without waves has no mean, and no division by zero
     # a few strong waves, as of a texture, tell little of the others
     error = np.sqrt(squares) / np.where(total > 0, total, np.nan)
-    return _Bands(*((statistic * sufficient)[1:-1] for statistic in (mean, median, error)))
+    for statistic in (mean, median, error):
+        yield (statistic * sufficient)[1:-1]
 
 
-def _exponents(bands: _Bands) -> tuple[np.ndarray, np.ndarray]:
+def _exponents(mean: np.ndarray, median: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the exponents of the spectrum, and the frequencies they belong to.
 
     A periodic texture has peaks in the mean, and waves that a strong lay leaves empty pull the median down:
     the less steep of the two counts.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        falls = [np.log2(power[_ACROSS:] / power[:-_ACROSS]) / (_ACROSS / 4) for power in bands[:2]]
+        falls = [np.log2(power[_ACROSS:] / power[:-_ACROSS]) / (_ACROSS / 4) for power in (mean, median)]
     # the less steep of mean and median: a few strong waves change the one, a noise floor the other
     exponents = np.fmax(*falls)
     wavelengths = np.sqrt(_EDGES[1 + _ACROSS :] * _EDGES[: -1 - _ACROSS])
@@ -153,7 +146,7 @@ def _exponents(bands: _Bands) -> tuple[np.ndarray, np.ndarray]:
     return exponents[is_valid], wavelengths[is_valid]
 
 
-def _bend(bands: _Bands) -> float:
+def _bend(mean: np.ndarray, median: np.ndarray, error: np.ndarray) -> float:
     """Return by how much the exponent changes in the last octave, plus twice its standard error.
 
     As in `_exponents` the less steep of mean and median counts. 0 where bands are empty.
@@ -163,8 +156,8 @@ def _bend(bands: _Bands) -> float:
     frequency = np.log2(centre[last])
     weight = (frequency - frequency.mean()) / frequency.var() / frequency.size  # of a regression line
     with np.errstate(divide="ignore", invalid="ignore"):
-        changes = [weight @ np.log2(power[last] / power[previous]) for power in bands[:2]]
-    variance = sum(((weight * bands.error[octave] / np.log(2)) ** 2).sum() for octave in (previous, last))
+        changes = [weight @ np.log2(power[last] / power[previous]) for power in (mean, median)]
+    variance = sum(((weight * error[octave] / np.log(2)) ** 2).sum() for octave in (previous, last))
     bend = max(changes) + 2 * np.sqrt(variance)
     return float(bend) if np.isfinite(bend) else 0.0
 
