@@ -104,12 +104,10 @@ def polynomial_from_record(record: Mapping[str, Mapping], y: npt.ArrayLike, x: n
             (c - value[f"middle_{d}"]) / value[f"half_length_{d}"] for c, d in ((y, "y"), (x, "x"))
         )
         return np.asarray(legendre.leggrid2d(scaled_y, scaled_x, coefficients))
-    slope_y, slope_x = value.get("slope_y", 0.0), value.get("slope_x", 0.0)
-    return (
-        value.get("mean", 0.0)
-        + slope_y * (y - (y[0] + y[-1]) / 2)[:, None]
-        + slope_x * (x - (x[0] + x[-1]) / 2)[None, :]
+    rise_y, rise_x = (
+        value.get(f"slope_{axis}", 0.0) * (c - (c[0] + c[-1]) / 2) for axis, c in (("y", y), ("x", x))
     )
+    return value.get("mean", 0.0) + rise_y[:, None] + rise_x
 
 
 class _Basis:

@@ -81,7 +81,17 @@ def limit_band(
     >>> bool(np.allclose(limited, long)), round(limited.attrs["band_removed_rms_height"], 3)
     (True, 0.707)
     """
-    _check_limits(shortest, longest)
+    for name, value in (("shortest", shortest), ("longest", longest)):
+        if value is not None and not 0 < value < math.inf:
+            raise SettingsError(
+                f"window.{name}_wavelength = {value!r}: give a positive length in m, or null for no limit"
+            )
+    if shortest and longest and shortest >= longest:
+        raise SettingsError(
+            f"window.shortest_wavelength = {shortest:g} m is not below window.longest_wavelength = "
+            f"{longest:g} m",
+            keys=("window.shortest_wavelength", "window.longest_wavelength"),
+        )
     limit, limit_reason = reliable_wavelength(window)
     cutoffs = [(shortest, "window.shortest_wavelength")] if shortest else []
     cutoffs += [(limit, "window.reliable_band")] if reliable else []
@@ -140,21 +150,6 @@ def in_band(window: xr.DataArray, **options: Any) -> xr.DataArray:
     if not (shortest or longest or reliable):
         return window
     return limit_band(window, shortest=shortest, longest=longest, reliable=bool(reliable))
-
-
-def _check_limits(shortest: float | None, longest: float | None) -> None:
-    """Raise SettingsError for invalid limits of the band."""
-    for name, value in (("shortest", shortest), ("longest", longest)):
-        if value is not None and not 0 < value < math.inf:
-            raise SettingsError(
-                f"window.{name}_wavelength = {value!r}: give a positive length in m, or null for no limit"
-            )
-    if shortest and longest and shortest >= longest:
-        raise SettingsError(
-            f"window.shortest_wavelength = {shortest:g} m is not below window.longest_wavelength = "
-            f"{longest:g} m",
-            keys=("window.shortest_wavelength", "window.longest_wavelength"),
-        )
 
 
 def numerical_aperture(instrument: Mapping) -> float | None:

@@ -126,9 +126,9 @@ def periodic_window(
     values = check_map(levelled)
     levelled = renew_parameters(levelled)
     waves = {"shortest": shortest_wavelength, "longest": longest_wavelength, "reliable": reliable_band}
-    periodic = _already_periodic(levelled, values, waves, correct_for)
-    if periodic is not None:
-        return periodic
+    if already := _already_periodic(levelled, values):
+        window, reason = already
+        return _record(window, waves, correct_for, reason=reason)
 
     fade = width if method in _BLENDING_METHODS else 0.0
     cut = _largest_cut(levelled, values, fade, min_share, whole_periods=placement == "whole-periods")
@@ -245,10 +245,8 @@ def _made_periodic(
     return periodisation.smooth_cross_fade(heights, band, step), flags
 
 
-def _already_periodic(
-    height: xr.DataArray, values: np.ndarray, waves: Mapping, correct_for: Mapping[str, Any] | None
-) -> xr.DataArray | None:
-    """Return the map as a window if it is periodic, with or without its form; otherwise None."""
+def _already_periodic(height: xr.DataArray, values: np.ndarray) -> tuple[xr.DataArray, str] | None:
+    """Return the map as a window if it is periodic, with or without its form, and why; otherwise None."""
     attrs = dict(height.attrs)
     form_record = json_attribute(attrs, "form_removed")
     form = form_from_record(form_record, height["y"].values, height["x"].values)
@@ -264,8 +262,7 @@ def _already_periodic(
         )
         attrs |= {"form": "mean", **json_attributes({"form_removed": {"mean": form_record["mean"]}})}
     coords = {"y": height["y"], "x": height["x"], "filled": (("y", "x"), _filled_points(height))}
-    window = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs)
-    return _record(window, waves, correct_for, reason=reason)
+    return xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs), reason
 
 
 def _record(

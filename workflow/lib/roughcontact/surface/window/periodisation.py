@@ -87,7 +87,7 @@ def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.nda
     laplacian = -4 * (wy * np.sin(qy / 2) ** 2 + wx * np.sin(qx / 2) ** 2)
     laplacian[0, 0] = 1.0  # any value: the smooth component has no mean
     spectrum = np.fft.rfft2(source)
-    del source  # memory may not hold more than is needed of a large map
+    del source, edges  # memory may not hold more than is needed of a large map
     spectrum /= laplacian
     spectrum[0, 0] = 0.0
     smooth = np.fft.irfft2(spectrum, s=values.shape)

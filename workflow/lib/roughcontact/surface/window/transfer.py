@@ -20,7 +20,7 @@ from roughcontact.surface.window.band import LIGHT_WAVELENGTH, removed_by_band
 
 CORRECTED = ("noise", "resolution", "numerical_aperture")  # what a map can be corrected for
 MIN_TRANSFER = 0.2  # waves of which less is transmitted are hidden in noise and are not restored further
-_FINEST_SCALE, _COARSEST_SCALE = 1, 64  # points; distances at which curvatures are compared with a tip
+_SCALES = 2 ** np.arange(7)  # points; distances at which curvatures are compared with a tip
 _BINOMIAL = np.array([1, 4, 6, 4, 1]) / 16
 _SMOOTHINGS = 5  # twenty change the rms gradient by less than 1 %
 _POINTS_PER_BLOCK = 2**16  # few enough to stay in the cache
@@ -237,11 +237,9 @@ def reliability_length(window: xr.DataArray, tip_radius: float) -> float:
     """
     longest = 0.0
     for axis, (points, step) in enumerate(zip(window.shape, spacing(window), strict=True)):
-        scale = _FINEST_SCALE
-        while scale <= min(_COARSEST_SCALE, points // 4):
+        for scale in _SCALES[points // 4 >= _SCALES]:
             around = sum(np.roll(window.values, shift, axis) for shift in (-scale, scale))
             # a tip of radius R bridges valleys that curve more than 1/R
             if (around - 2 * window.values).max() * 2 * tip_radius >= (scale * step) ** 2:
-                longest = max(longest, 2 * scale * step)
-            scale *= 2
+                longest = max(longest, float(2 * scale * step))
     return longest
