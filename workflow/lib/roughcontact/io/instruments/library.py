@@ -101,7 +101,10 @@ def read_instrument(path: Path) -> MeasuredFile:
             except FileFormatMismatch:
                 continue
             except Exception as error:  # a reader may fail on foreign bytes in any way
-                if not _is_foreign(format_, error):
+                without_tags = isinstance(error, IndexError | KeyError | AttributeError | TypeError)
+                # a container that holds something else than this format
+                is_foreign = format_.marks == containers.TIFF and without_tags
+                if format_.name != "mitutoyo" and not is_foreign:
                     failures.append((library.name(), error))
     if not failures and (foreign_format := containers.foreign(path, head)):
         raise InputFileError(f"this is {foreign_format}")
@@ -115,12 +118,6 @@ def read_instrument(path: Path) -> MeasuredFile:
     way_out = "export the map as X3P, SDF, netCDF or a text matrix with its size and units"
     hint = _FILM if path.suffix.lower() == ".asd" else ""
     raise InputFileError(f"{wrong}; {hint}{way_out}") from (failures[0][1] if failures else None)
-
-
-def _is_foreign(file_format: Format, error: Exception) -> bool:
-    """Return whether an error shows that a container holds something else than this format."""
-    without_tags = isinstance(error, IndexError | KeyError | AttributeError | TypeError)
-    return file_format.name == "mitutoyo" or (file_format.marks == containers.TIFF and without_tags)
 
 
 @contextmanager

@@ -24,10 +24,9 @@ from roughcontact.io.positions import UnevenPositionsError, even_step, points_on
 from roughcontact.io.sources import parse_lengths
 from roughcontact.io.text.axes import are_points, begins_anew, find_axes, form_a_grid, uneven, wrapped
 from roughcontact.io.text.columns import Column, are_map_columns, headed, layout, miscounted, unit_of_heights
-from roughcontact.io.text.doubts import thousands
 from roughcontact.io.text.header import LENGTHS, Stated, Statement, check_agreement, contradiction, statements
 from roughcontact.io.text.lines import looks_like_text, read_text
-from roughcontact.io.text.table import Dialect, Rows, left_out, parse_table, split_text
+from roughcontact.io.text.table import Dialect, Rows, left_out, parse_table, split_text, thousands
 from roughcontact.io.text.traces import are_traces, runs, turn
 from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import pattern, words

@@ -113,15 +113,14 @@ def _channels(file: Any, main: bytes) -> list[Channel]:
         return [scattered(channel, cloud.x, cloud.y, cloud.z, uneven)]
     count = len(file.layers)
     names = [f"layer {number}" for number in range(1, count + 1)] if count > 1 else ["height"]
-    return [_channel(file, main, layer, name) for layer, name in zip(file.layers, names, strict=True)]
-
-
-def _channel(file: Any, main: bytes, layer: Any, name: str) -> Channel:
-    """Return one layer; a negative increment counts the columns or rows backwards."""
-    z = np.atleast_2d(layer.z)
-    channel = Channel(name, z.shape, partial(as_heights, z), "m", lateral_unit="m")
-    x, y = (_positions(file, main, layer, axis) for axis in "xy")
-    return channel_on_grid(channel, x, y if z.shape[0] > 1 else None)
+    channels = []
+    for layer, name in zip(file.layers, names, strict=True):
+        z = np.atleast_2d(layer.z)
+        channel = Channel(name, z.shape, partial(as_heights, z), "m", lateral_unit="m")
+        x, y = (_positions(file, main, layer, axis) for axis in "xy")
+        # a negative increment counts the columns or rows backwards
+        channels.append(channel_on_grid(channel, x, y if z.shape[0] > 1 else None))
+    return channels
 
 
 def _positions(file: Any, main: bytes, layer: Any, axis: str) -> np.ndarray | float | None:

@@ -16,7 +16,7 @@ from roughcontact.arguments.quantities import counted_noun
 from roughcontact.errors import InputFileError
 from roughcontact.io.guards import brief, check_count, check_points
 from roughcontact.io.text.columns import is_heading
-from roughcontact.io.text.header import statements
+from roughcontact.io.text.header import LENGTHS, Stated, statements
 from roughcontact.io.units import is_length
 from roughcontact.io.vocabulary import meanings, words
 
@@ -49,6 +49,8 @@ _UNEVEN = 0.1  # of a step, between positions that are rounded
 _FEW_ROWS = 3  # that show what a first row with one cell less is
 _SHORT_WORD = 5  # letters; longer ones behind a number are a line of a header
 _FEW_CELLS = 32  # at the beginning of a line, which tell a row with words from a heading
+_MIN_COUNT = 10  # cells with three digits behind the mark, of which fewer say nothing
+_MAX_COMPARED = 200_000  # cells that are compared column by column
 # words for a missing point; numbers are in `io.channels`
 _MARKERS = {"", *meanings("marker")}  # an empty cell too
 # taken as missing, with a warning: they may have another meaning
@@ -629,3 +631,57 @@ def _parse_number(token: str) -> float | None:
         return float(token) if "_" not in token else None  # Python would read 1_000
     except ValueError:
         return float(re.sub(r"[^-+.\d]", "", token)) if _GROUPED.fullmatch(token) else None
+
+
+def thousands(by_meaning: Stated, body: list[str], dialect: Dialect) -> list[str]:
+    """Return a warning where all numbers have three digits behind a mark that may separate thousands.
+
+    A number below one, with four digits in a row or other decimals, also in a length of the header, shows a
+    decimal sign.
+
+    Examples
+    --------
+    >>> thousands({}, ["1.250 2.500"] * 5, Dialect(None, False))[0][:60]
+    "every number has three digits behind its '.', as in '1.250':"
+    >>> thousands({}, ["0.250 2.500"] * 5, Dialect(None, False))
+    []
+    """
+    if dialect.decimal_comma:
+        _refuse_both_marks(body)
+    sign = "," if dialect.decimal_comma else "."
+    number = re.compile(rf"[-+]?[1-9]\d{{0,2}}({re.escape(sign)}\d{{3}})?")
+    examples: dict[bool, dict[int, str]] = {True: {}, False: {}}  # grouped or not, in each column
+    cells = (cell for line in body for cell in enumerate(line.strip().split(dialect.delimiter)))
+    count = 0
+    # one number below one, or with other digits, settles the sign: no more is read
+    for column, cell in islice(cells, _MAX_COMPARED):
+        text = cell.strip()
+        if match := number.fullmatch(text):
+            examples[bool(match[1])].setdefault(column, text)
+            count += bool(match[1])
+        elif text != "0" and not is_missing(text):
+            return []
+    lengths = [statement.text for meaning in LENGTHS for statement in by_meaning.get(meaning, [])]
+    if count < _MIN_COUNT or any(re.search(rf"\d{re.escape(sign)}\d{{1,2}}(?!\d)", text) for text in lengths):
+        return []
+    example = next(iter(examples[True].values()))
+    if conflict := examples[True].keys() & examples[False].keys():
+        both = f"{example!r} and {examples[False][min(conflict)]!r} in one table"
+        wrong = f"with three digits behind every {sign!r}: it separates thousands or decimals"
+        raise InputFileError(f"{both}, {wrong}; {WITHOUT_THOUSANDS}, or with four decimals")
+    doubt = f"every number has three digits behind its {sign!r}, as in {example!r}: it is read as the decimal"
+    return [f"{doubt} sign; if it separates thousands, {WITHOUT_THOUSANDS}"]
+
+
+def _refuse_both_marks(body: list[str]) -> None:
+    """Refuse points as separators of thousands, or decimals, in a table with decimal commas."""
+    number = re.compile(r"(?<![\d.,])\d+([.,])(\d+)(?![\d.,eE])")
+    if not any("." in line and number.search(line) for line in body):
+        return
+    matches = [match for line in body for match in number.finditer(line)]
+    first = {match[1]: match[0] for match in reversed(matches)}
+    lengths = {mark: {len(match[2]) for match in matches if match[1] == mark} for mark in ".,"}
+    if len(first) == 2 and {3} in lengths.values():
+        both = f"{first[',']!r} and {first['.']!r} in one table"
+        wrong = "either mark may be the decimal sign or separate thousands"
+        raise InputFileError(f"{both}: {wrong}; {WITHOUT_THOUSANDS}")
