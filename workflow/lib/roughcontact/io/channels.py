@@ -212,8 +212,7 @@ def as_heights(values: ArrayLike) -> np.ndarray:
     """
     plain = np.asarray(np.ma.getdata(values))
     if plain.dtype.kind not in "iuf":
-        wrong = f"the values are of type {plain.dtype}, not real numbers"
-        raise InputFileError(f"{wrong}; store heights as float64")
+        raise InputFileError(f"values of type {plain.dtype}, not real numbers; store heights as float64")
     with np.errstate(all="ignore"):  # a NaN of single precision may be a signalling one
         heights = np.array(plain, dtype=float, ndmin=2)
     if isinstance(values, np.ma.MaskedArray):
