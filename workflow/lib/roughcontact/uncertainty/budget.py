@@ -144,12 +144,14 @@ def error_budget(
         )
         middle = {name: centre + correction[name] for name, centre in middle.items()}
     if "window" in sources:
-        scatter = scatter_of(result, levelled, arguments=settings["window"], number=windows)
-        middle |= {name: middle[name] + offset for name, offset in scatter.shift.items()}
         half_ways = {name: f"{name}_half_way" for name in middle if f"{name}_half_way" in solved}
-        scatter = scatter._replace(open_ended={key: solved[half_ways[key]].values > 0 for key in half_ways})
+        scatter = scatter_of(result, levelled, arguments=settings["window"], number=windows)._replace(
+            open_ended={name: solved[level].values > 0 for name, level in half_ways.items()}
+        )
+        middle |= {name: middle[name] + offset for name, offset in scatter.shift.items()}
         attrs = sample_attributes(scatter, levelled, aspect=float(solved["Str"]))
-        columns |= _columns_of_members(result, scatter)
+        members = {**scatter.members, PRESSURE: load / scatter.members[AREA]}
+        columns |= {f"{name}_parts": (("member", "load"), numbers) for name, numbers in members.items()}
     instrument = stated_instrument(levelled, settings.get("instrument"))
     uncertain = {key: source for key, source in OF_MATERIAL.items() if source in sources}
     ranges = {key: settings["contact"].get(name_of_range(key)) for key in uncertain}
@@ -201,9 +203,3 @@ def _before_correction(
     """Return the window without the correction for its instrument; None without one."""
     is_corrected = "corrected_for" in window.attrs
     return periodic_window(levelled, **{**arguments, "correct_for": None}) if is_corrected else None
-
-
-def _columns_of_members(result: Result, scatter: Scatter) -> dict[str, tuple]:
-    """Return `{quantity}_parts` (member, load)."""
-    members = {**scatter.members, PRESSURE: result.load / scatter.members[AREA]}
-    return {f"{name}_parts": (("member", "load"), numbers) for name, numbers in members.items()}

@@ -29,11 +29,7 @@ def loads_of(contact: Mapping[str, Any]) -> np.ndarray:
 
 
 def solve_member(
-    window: xr.DataArray,
-    contact: Mapping[str, Any],
-    *,
-    names: Collection[str],
-    tolerance: float = TOLERANCE,
+    window: xr.DataArray, contact: Mapping[str, Any], *, names: Collection[str], tolerance: float = TOLERANCE
 ) -> dict[str, np.ndarray]:
     """Return quantities of a window, each an array (load).
 

@@ -195,10 +195,9 @@ def _asked_number(statistics: xr.Dataset) -> tuple[list[str], str]:
     """Return the names of the numbers of which one is asked for, and what they are in words."""
     answers = [*names_asked(statistics)]
     answers += [limit.answer for name, limit in ALLOWED_VALUES.items() if f"{name}_holds" in statistics]
-    for name, numbers, words in (
-        ("sealing", [*CONSTRICTIONS], "leak"),
-        *((name, [answer.quantity], answer.words) for name, answer in ANSWERS.items() if answer.quantity),
-    ):
+    candidates = {"sealing": ([*CONSTRICTIONS], "leak")}
+    candidates |= {key: ([row.quantity], row.words) for key, row in ANSWERS.items() if row.quantity}
+    for name, (numbers, words) in candidates.items():
         is_judged = name != "sealing" or not reason_without_flow(statistics)
         if name in answers and is_judged and f"{numbers[0]}_components" in statistics:
             return numbers, words

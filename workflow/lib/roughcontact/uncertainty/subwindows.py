@@ -73,10 +73,7 @@ def scatter_of_subwindows(
     members = result.members(subwindows)
     deviations = {name: _deviations(name, members[name], result.values[name]) for name in (AREA, PEAK)}
     spread = np.hypot(np.std(deviations[AREA], axis=0, ddof=1), _MIN_SCATTER)
-    common: Features = {
-        "gradient": gradient_scatter(levelled_map.isel(region)),
-        "scatter": np.log(spread),
-    }
+    common: Features = {"gradient": gradient_scatter(levelled_map.isel(region)), "scatter": np.log(spread)}
     features = dict.fromkeys(result.values, common)
     features[PEAK] = {**common, "trend": deviations[PEAK].mean(axis=0)}
     return Scatter(members, features, slices)
