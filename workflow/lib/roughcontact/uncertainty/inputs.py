@@ -35,7 +35,7 @@ from roughcontact.surface.window.instrument import check_instrument
 from roughcontact.surface.window.transfer import add_noise, restored, share_of_noise, unrounded
 from roughcontact.uncertainty import combination
 from roughcontact.uncertainty.combination import Components, one_sided, symmetric
-from roughcontact.uncertainty.ensemble import MARGIN, Result, Values, solve_member
+from roughcontact.uncertainty.ensemble import MARGIN, TOLERANCE, Result, Values, solve_member
 from roughcontact.uncertainty.random_effects import width_of_next
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, PEAK, PRESSURE, headline_names
 
@@ -85,44 +85,36 @@ def input_uncertainty(
 
 
 def _end(source: str, factor: float, result: Result, solution: xr.Dataset) -> tuple[np.ndarray, Values]:
-    """Return ln of the input over its stated value (load), and the results, with it a factor larger."""
+    """Return ln of the input over its stated value (load), and the results, with it a factor larger.
+
+    Where no point reaches the lower of two hardnesses, nothing changes, and nothing is solved.
+    """
+    solved_values = {name: solution[name].values for name in headline_names(solution)}
+    load, window = solution[_LOAD].values, result.window
+    change, flows = np.full(load.shape, math.log(factor)), np.full(load.shape, fill_value=True)
     if source == HARDNESS:
-        return _end_of_hardness(factor, result, solution)
-    load, window, variation = solution[_LOAD].values, result.window, dict(result.contact)
-    change = np.full(load.shape, math.log(factor))
-    if source == _LOAD:
-        variation = varied({**result.contact, _LOAD: load}, source, factor)
-        change = np.log(variation[_LOAD] / load)
-    elif source == _MODULUS:
-        variation[_MODULUS] = factor * float(solution[_MODULUS])
-        variation["bodies"] = stiffer(json_attribute(solution.attrs, "bodies") or None, factor)
-    else:
+        flows = solved_values[PEAK] >= (1 - NEAR_HARDNESS) * min(factor, 1.0) * result.hardness
+    if not flows.any():
+        return change, solved_values
+    contact = {**result.contact, _LOAD: load}
+    if source == _MODULUS:
+        bodies = json_attribute(solution.attrs, "bodies") or None
+        contact |= {_MODULUS: float(solution[_MODULUS]), "bodies": bodies}
+    if source in AMPLIFICATIONS:
         window = amplified(window, source, factor)
-    tolerance = variation.get("tolerance", 1e-4)
-    values = solve_member(window, variation, tolerance=tolerance, names=headline_names(solution))
+    else:
+        contact = varied(contact, source, factor)
+    if source == _LOAD:
+        change = np.log(contact[_LOAD] / load)
+    tolerance = TOLERANCE if source == HARDNESS else contact.get("tolerance", 1e-4)
+    values = solve_member(window, contact, tolerance=tolerance, names=solved_values)
     if CONDUCTANCE in values:  # infinite, not unknown, in full contact
         infinite = np.isnan(values[CONDUCTANCE]) & np.isfinite(values[AREA])
         values[CONDUCTANCE] = np.where(infinite, np.inf, values[CONDUCTANCE])
+    if source == HARDNESS:  # edges of pixels make an area too small for the load
+        values = {name: np.where(flows, value, solved_values[name]) for name, value in values.items()}
+        values[AREA] = np.fmax(values[AREA], contact[_LOAD] / contact[HARDNESS])
     return change, values
-
-
-def _end_of_hardness(factor: float, result: Result, solution: xr.Dataset) -> tuple[np.ndarray, Values]:
-    """Return ln of the factor (load), and the results of the contact with a hardness a factor larger.
-
-    Where no point reaches the lower of both hardnesses, nothing changes, and nothing is solved.
-    """
-    names, hardness = headline_names(solution), factor * result.hardness
-    solved_values = {name: solution[name].values for name in names}
-    change = np.full(result.load.shape, math.log(factor))
-    flows = solved_values[PEAK] >= (1 - NEAR_HARDNESS) * min(hardness, result.hardness)
-    if not flows.any():
-        return change, solved_values
-    load = np.minimum(result.load, (1 - 2 * NEAR_HARDNESS) * hardness)
-    contact = {**result.contact, "hardness": hardness, "mean_pressure": load}
-    values = result._replace(contact=contact, values=solved_values).again(result.window)
-    ends_at_loads = {name: np.where(flows, value, solved_values[name]) for name, value in values.items()}
-    # edges of pixels make an area too small for the load
-    return change, ends_at_loads | {AREA: np.fmax(ends_at_loads[AREA], load / hardness)}
 
 
 def amplified(window: xr.DataArray, name: str, factor: float) -> xr.DataArray:
@@ -143,9 +135,8 @@ def varied(arguments: Mapping[str, Any], name: str, factor: float) -> dict[str, 
     >>> f"{yielding['mean_pressure']:.6g}"
     '4.99999e+06'
     """
-    changed = (
-        {**arguments, name: factor * arguments[name]} if name != _MODULUS else stiffer(arguments, factor)
-    )
+    is_modulus = name == _MODULUS
+    changed = stiffer(arguments, factor) if is_modulus else {**arguments, name: factor * arguments[name]}
     if changed.get(HARDNESS):
         heaviest = (1 - 2 * NEAR_HARDNESS) * changed[HARDNESS]
         changed[_LOAD] = np.minimum(changed[_LOAD], heaviest)

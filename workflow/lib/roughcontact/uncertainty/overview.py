@@ -190,12 +190,9 @@ def transfers_of(
     )
     transfers = {}
     for name in at_places:
-        of_map, *elsewhere, joint = at_places[name]
-        scatter = (
-            np.std(values, axis=0, ddof=1) for values in (np.array(elsewhere) - octave[name][1:], elsewhere)
-        )
-        numbers = np.mean(elsewhere, axis=0) - of_map, joint - of_map, *scatter
-        transfers[name] = Transfer(*numbers)
+        of_map, elsewhere, joint = at_places[name][0], at_places[name][1:-1], at_places[name][-1]
+        scatter = (np.std(each, axis=0, ddof=1) for each in (elsewhere - octave[name][1:], elsewhere))
+        transfers[name] = Transfer(elsewhere.mean(axis=0) - of_map, joint - of_map, *scatter)
     return transfers
 
 
@@ -210,7 +207,8 @@ def _results(result: Result, windows: list[xr.DataArray]) -> dict[str, np.ndarra
         contact["hardness"] *= ratio
     names = [name for name in result.values if name not in (*CONSTRICTIONS, PEAK)]
     scaled = Result(windows[0], contact, {name: result.values[name] for name in names})
-    results = {name: to_scale(name, values) for name, values in scaled.members(windows).items()}
+    members = scaled.members(windows).items()
+    results = {name: np.ascontiguousarray(to_scale(name, values)) for name, values in members}
     return results | {GRADIENT: np.log([[rms_gradient(window)] * result.load.size for window in windows])}
 
 
