@@ -72,9 +72,9 @@ def outliers(statistics: xr.Dataset, attrs: Attributes) -> Check:
     removals = attrs.get("outliers_rejected", 0)
     if not removals:
         return passed("No point was rejected.")
-    they, was, noun, lie = ("they", "were", "outliers", "they lie")
+    they, was, noun, lie, are = "they", "were", "outliers", "they lie", "they are errors"
     if removals == 1:
-        they, was, noun, lie = ("it", "was", "an outlier", "it lies")
+        they, was, noun, lie, are = "it", "was", "an outlier", "it lies", "it is an error"
     kinds = rejected_by_kind(attrs)
     text = f"{counted_noun(removals, 'point')} {was} rejected as {noun}" + (f" ({kinds})" if kinds else "")
     shares = statistics["rejected_load_share"].values if "rejected_load_share" in statistics else np.nan
@@ -85,7 +85,6 @@ def outliers(statistics: xr.Dataset, attrs: Attributes) -> Check:
     text += " at most" if statistics.sizes["load"] > 1 else ""
     if share <= REJECTED_LOAD:
         return passed(f"{text}.")
-    are = "it is an error" if removals == 1 else "they are errors"
     return review(
         f"{text}: the result depends on whether {are} of the measurement.",
         advice=f"See where {lie}, or keep every point (level.outlier_threshold: none).",
