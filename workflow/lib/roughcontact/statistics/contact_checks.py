@@ -3,8 +3,6 @@
 `statistics` is always as `contact_statistics` returns it.
 """
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
@@ -138,8 +136,8 @@ def _hardness_check(statistics: xr.Dataset) -> Check:
 
 def _check_by_classes(statistics: xr.Dataset) -> Check:
     """Return the check of the pressure where no hardness is stated, by classes of materials."""
-    modulus = float(statistics["contact_modulus"])
-    mean, largest = (statistics[name].values / modulus for name in ("mean_contact_pressure", "max_pressure"))
+    modulus, (mean, largest) = float(statistics["contact_modulus"]), _over_modulus(statistics)
+    beyond_materials, flowing = mean > materials.MAX_HARDNESS, _metals_flow(mean, largest)
     figures = f"the mean pressure in contact reaches {number(mean.max(), digits=2)} E*"
     figures += f", the largest {number(largest.max(), digits=2)} E*"
     limits = "{:g} to {:g} E*".format(*materials.METALS)
@@ -149,15 +147,13 @@ def _check_by_classes(statistics: xr.Dataset) -> Check:
         if mean.max() > 1:  # rubber is elastic to large strains, but not beyond its own modulus
             return review(f"More than rubber bears: {figures}.")
         text = f"{not_stated}; {figures}; rubber-like solids (E* below {_RUBBER}) bear that."
-        metals_flow = mean.max() > materials.METALS[0] or largest.max() > materials.METALS[1]
         # the modulus of a gel may be one in MPa that was taken for Pa
-        if modulus < materials.GEL and metals_flow:
+        if modulus < materials.GEL and flowing.any():
             text = (
                 f"{not_stated}; {figures}; gels bear that, and E* = {quantity(modulus, 'Pa')} is that of "
                 f"one. If it was given in MPa, it is {quantity(1e6 * modulus, 'Pa')}, and metals flow there."
             )
         return not_made(text)
-    beyond_materials, flowing = mean > materials.MAX_HARDNESS, exceeds_metals(statistics).values
     if beyond_materials.any():
         return failed(
             f"{_loads(beyond_materials, statistics)} the contact is beyond what any material bears, "
@@ -186,32 +182,27 @@ def rubber_like(statistics: Numbers) -> bool:
     return float(statistics["contact_modulus"]) < materials.RUBBER
 
 
-def exceeds_metals(statistics: Numbers) -> Any:
-    """Return for each load whether metals, not rubber, would flow: in the mean, or hardened ones at the peak.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> pressures = {"mean_contact_pressure": ("load", [5e8, 2e9]), "max_pressure": ("load", [2e9, 3e9])}
-    >>> exceeds_metals(xr.Dataset(pressures | {"contact_modulus": 1e11})).values
-    array([False,  True])
-    """
-    modulus = float(statistics["contact_modulus"])
-    soft, hard = materials.METALS
-    mean, largest = statistics["mean_contact_pressure"], statistics["max_pressure"]
-    return ((mean > soft * modulus) | (largest > hard * modulus)) & (not rubber_like(statistics))
-
-
 def yield_flags(load: Numbers) -> list[str]:
     """Return the warnings of one load: "points flow", or by class "metals flow", "beyond hardness"."""
     if "hardness" in load:
         return ["points flow"] if load["area_share_above_hardness"] > 0 else []
     if rubber_like(load):
         return []
-    # beyond the hardness of any material
-    if load["mean_contact_pressure"] > materials.MAX_HARDNESS * load["contact_modulus"]:
+    mean, largest = _over_modulus(load)
+    if mean > materials.MAX_HARDNESS:  # that of any material
         return ["beyond hardness"]
-    return ["metals flow"] if exceeds_metals(load) else []
+    return ["metals flow"] if _metals_flow(mean, largest) else []
+
+
+def _over_modulus(numbers: Numbers) -> list[np.ndarray]:
+    """Return the mean pressure in contact and the largest one over the modulus."""
+    modulus = float(numbers["contact_modulus"])
+    return [np.asarray(numbers[name]) / modulus for name in ("mean_contact_pressure", "max_pressure")]
+
+
+def _metals_flow(mean: np.ndarray, largest: np.ndarray) -> np.ndarray:
+    """Return where metals would flow at these pressures over E*: in the mean, or, hardened, at the peak."""
+    return (mean > materials.METALS[0]) | (largest > materials.METALS[1])
 
 
 def layers(statistics: xr.Dataset, points: int) -> Check | None:
