@@ -366,14 +366,17 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
         return Cell(NOT_JUDGED, reason)
     if lifts := fluid_in_words(numbers, index):
         return Cell("leaks", lifts, precision=_DECIDED)
-    open_axes, leaking, judged, undecided = [], [], [], []
-    for axis in "xy":
-        decision, name = decisions.gap_is_closed(numbers, axis)[index], f"critical_constriction_{axis}"
-        is_wide = not interval_at(numbers, name, index)[0] <= decisions.closed_opening(numbers, axis)[index]
-        open_axes += [axis] if float(numbers[f"gap_percolates_{axis}"][index]) else []
-        leaking += [axis] if decision == 0 or (np.isnan(decision) and axis in open_axes and is_wide) else []
-        judged += [axis] if has_number(numbers, f"{name}_lower") else []
-        undecided += [axis] if axis in judged and np.isnan(decision) else []
+    closed = {axis: decisions.gap_is_closed(numbers, axis)[index] for axis in "xy"}
+    open_axes = [axis for axis in "xy" if float(numbers[f"gap_percolates_{axis}"][index])]
+
+    def leaks(axis: str) -> bool:
+        """Return whether a gap that is not decided counts as open: it is wider than what counts as closed."""
+        opening = interval_at(numbers, f"critical_constriction_{axis}", index)[0]
+        return axis in open_axes and not opening <= decisions.closed_opening(numbers, axis)[index]
+
+    leaking = [a for a in "xy" if closed[a] == 0 or (np.isnan(closed[a]) and leaks(a))]
+    judged = [axis for axis in "xy" if has_number(numbers, f"critical_constriction_{axis}_lower")]
+    undecided = [axis for axis in judged if np.isnan(closed[axis])]
     precision = "" if len(judged) < 2 else _NOT_DECIDED if undecided else _DECIDED
     axes_shown = [axis for axis in "xy" if axis in leaking + undecided]
     details = [] if leaking or open_axes else ["gap closed along x and y"]

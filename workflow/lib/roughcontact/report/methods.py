@@ -5,7 +5,7 @@ from typing import Any
 
 import xarray as xr
 
-from roughcontact.arguments.answers import AREA, GAP, PRESSURE, UNITS
+from roughcontact.arguments.answers import AREA, ENDS, GAP, PRESSURE, UNITS
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.profiles import ensemble_in_words
@@ -65,9 +65,8 @@ def _range_of_hardness(statistics: xr.Dataset) -> str:
     """Return what the intervals hold of the hardness."""
     if "hardness_lower" not in statistics:
         return "taken as exact"
-    unit = unit_of(statistics, "Pa")
-    bounds = [float(statistics[f"hardness_{suffix}"]) for suffix in ("lower", "upper")]
-    return f"in the intervals {unit.ends(*bounds)}"
+    bounds = (float(statistics[f"hardness{end}"]) for end in ENDS[1:])
+    return f"in the intervals {unit_of(statistics, 'Pa').ends(*bounds)}"
 
 
 def _rounded_up(bound: float) -> float:
