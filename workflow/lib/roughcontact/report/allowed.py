@@ -63,15 +63,12 @@ def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
     >>> _total_in_words(joint | ends, "temperature_drop", 0)
     '1.00 ± 0.20 K'
     """
-    totals = {
-        float(numbers[total][index]): total
-        for total in ALLOWED_VALUES[name].numbers
-        if total in TOTALS and total in numbers
-    }
-    if is_lifted(numbers, name)[index] or not totals or not max(totals) > 0:
+    totals = [total for total in ALLOWED_VALUES[name].numbers if total in TOTALS and total in numbers]
+    largest = max(totals, key=lambda total: float(numbers[total][index]), default="")
+    if is_lifted(numbers, name)[index] or not largest or not float(numbers[largest][index]) > 0:
         return ""
     unit = unit_of(numbers, ALLOWED_VALUES[name].unit)
-    return f"{number_text(numbers, totals[max(totals)], unit, index)} {unit.symbol}"
+    return f"{number_text(numbers, largest, unit, index)} {unit.symbol}"
 
 
 def fluid_in_words(numbers: Numbers, index: int, name: str = "leak") -> str:

@@ -44,15 +44,11 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
         return None
     present, stated, share = present_sources(numbers), stated_loads(numbers), unit_of(numbers, "%")
     budget = numbers[f"{AREA}_uncertainty"].sel(source=present).transpose("load", "source").values
-    rows = [
-        [
-            load,
-            number_text(numbers, AREA, share, index),
-            *map(_contribution, 100 * budget[index], present),
-            _SOURCE_LABELS.get(largest_source(numbers, AREA, index), "–"),
-        ]
-        for index, load in enumerate(stated.texts)
-    ]
+    rows = []
+    for index, load in enumerate(stated.texts):
+        contributions = map(_contribution, 100 * budget[index], present)
+        largest = _SOURCE_LABELS.get(largest_source(numbers, AREA, index), "–")
+        rows.append([load, number_text(numbers, AREA, share, index), *contributions, largest])
     attempts = ["window"] if "window_reason" in numbers.attrs else []  # not known leaves the interval open
     absent = [_SOURCE_LABELS[s] for s in _SOURCE_LABELS if s not in (*present, *attempts, "combined")]
     notes = [numbers.attrs.get(key) for key in ("window_flag", "window_reason")]

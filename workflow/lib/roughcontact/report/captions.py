@@ -21,11 +21,10 @@ def answers_caption(numbers: xr.Dataset, *names: str) -> str:
     loads, texts = stated_loads(numbers).texts, []
     for name in names:
         if name in numbers:
-            unit = unit_of(numbers, UNITS[name])
-            values = (
-                f"{number_text(numbers, name, unit, index)} {unit.symbol}".strip() + f" at {loads[index]}"
-                for index in dict.fromkeys([0, len(loads) - 1])
-            )
+            unit, values = unit_of(numbers, UNITS[name]), []
+            for index in dict.fromkeys([0, len(loads) - 1]):
+                value = f"{number_text(numbers, name, unit, index)} {unit.symbol}".strip()
+                values.append(f"{value} at {loads[index]}")
             texts.append(f"{TITLES[name]} {', '.join(values)}")
     text = "; ".join(texts)
     return f"{text[:1].upper()}{text[1:]}." if text else ""

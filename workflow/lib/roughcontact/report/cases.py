@@ -89,10 +89,8 @@ def _table(
             at_load = {case: [(cases[case], of.rows[place][case]) for cases, of in selection] for case in row}
             cells = [value(at_load[case], name, unit) if case in row else "–" for case in names]
             for pair in pairs:
-                indices, compared = (
-                    (row.get(pair[0], -1), row.get(pair[1], -1)),
-                    reference_loads.indices[pair],
-                )
+                compared = reference_loads.indices[pair]
+                indices = row.get(pair[0], -1), row.get(pair[1], -1)
                 if indices not in compared:
                     cells.append("–")
                     continue

@@ -312,9 +312,8 @@ class Chart:
             return "".join(form.format(position, edge, length) for position in positions(values))
 
         texts = [tick_text(value) for value in written]
-        half = (
-            len(axis.label) * (_DIGIT_WIDTH if flat else _LETTER_WIDTH) * letters / 2
-        )  # must not be cut off
+        # it must not be cut off
+        half = len(axis.label) * (_DIGIT_WIDTH if flat else _LETTER_WIDTH) * letters / 2
         if flat:
             anchor, near = "middle", 6 + letters if side == "bottom" else -9.0
             points = [(position, edge + near) for position in positions(written)]

@@ -136,13 +136,11 @@ def measured_caption(measured_map: xr.DataArray) -> str:
     >>> measured_caption(height_map(np.array([[0.0, np.nan], [0.0, 1e-6]]), 1e-6))
     '1 point not measured (pink).'
     """
-    colour, missing = (
-        "" if are_lines(measured_map) else " (pink)",
-        measured_map.attrs.get("missing_points", 0),
-    )
-    return (
-        f"{counted_noun(missing, 'point')} not measured{colour}." if missing else "Every point was measured."
-    )
+    missing = measured_map.attrs.get("missing_points", 0)
+    if not missing:
+        return "Every point was measured."
+    colour = "" if are_lines(measured_map) else " (pink)"
+    return f"{counted_noun(missing, 'point')} not measured{colour}."
 
 
 def levelled_caption(levelled_map: xr.DataArray) -> str:
@@ -212,11 +210,9 @@ def lay_caption(numbers: xr.Dataset) -> str:
     lay, strongest = _lay(numbers), f"Strongest waves at {float(numbers['Std']):.0f}° (Std)"
     if np.isnan(numbers["Str"]):
         return f"{strongest}. The window is too narrow to tell whether there is a lay."
-    return (
-        "No lay: much the same in all directions."
-        if lay == _NONE
-        else f"{strongest}, lay at {lay}, from x towards y."
-    )
+    if lay == _NONE:
+        return "No lay: much the same in all directions."
+    return f"{strongest}, lay at {lay}, from x towards y."
 
 
 def _lay(numbers: xr.Dataset) -> str:
@@ -289,15 +285,12 @@ def _removed_part(name: str, entry: Mapping[str, Any], levelled_map: xr.DataArra
 def _parameters(levelled_map: xr.DataArray, length: Callable[[float], str]) -> dict[str, str]:
     """Return the height parameters of the levelled map, or of its profiles, of the measured points."""
     parameters = profile_parameters(levelled_map) if are_lines(levelled_map) else levelled_map.attrs
-    letter = min(parameters)[0] if are_lines(levelled_map) else "S"
-    facts = {}
+    letter, facts = min(parameters)[0] if are_lines(levelled_map) else "S", {}
+    along: Callable[[float], str] = partial(quantity, unit="m")
     for row in _PARAMETERS if are_lines(levelled_map) else _PARAMETERS[:3]:
-        shows: dict[str, Callable[[float], str]] = {"sm": partial(quantity, unit="m"), "sk": number}
-        show = shows.get(row[0], length)
-        shown = {
-            letter + name: show(parameters[letter + name]) for name in row if letter + name in parameters
-        }
-        facts[", ".join(shown)] = ", ".join(shown.values())
+        show = along if row[0] == "sm" else number if row[0] == "sk" else length
+        names = [letter + name for name in row if letter + name in parameters]
+        facts[", ".join(names)] = ", ".join(show(parameters[name]) for name in names)
     return facts
 
 

@@ -193,8 +193,7 @@ def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return the components of every interval of the surfaces (and cases) of `collect_statistics`."""
     of_budget = statistics[[name for name in statistics.variables if name in TABLE_VARIABLES]]
     results = collect.solved_results(of_budget)
-    table = pd.concat(
-        [uncertainty_table(data).assign(**labels) for labels, data in results], ignore_index=True
-    )
+    tables = [uncertainty_table(data).assign(**labels) for labels, data in results]
+    table = pd.concat(tables, ignore_index=True)
     labels = [dim for dim in ("case", "surface") if dim in table]
     return table[labels + [column for column in table if column not in labels]]

@@ -20,9 +20,7 @@ from roughcontact.uncertainty.group_tables import NamedGroup
 from roughcontact.uncertainty.groups import is_range
 
 # the answers with an interval, the area first, with what a single map has not
-_FURTHER = {
-    answer.quantity: answer.heading for name, answer in ANSWERS.items() if answer.quantity and name != AREA
-}
+_FURTHER = {row.quantity: row.heading for name, row in ANSWERS.items() if row.quantity and name != AREA}
 HEADINGS = (TITLES["mean_pressure"], TITLES[AREA], "of the next map", "scatter s", *_FURTHER.values())
 _IN_LINE = 3  # comparisons
 _FINEST = 1e-3  # of a ratio: half-width of which two digits are shown
@@ -204,9 +202,8 @@ def differences_in_words(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> s
         loads = [quantity(load, "Pa") for load in table["mean_pressure"].values.tolist()]
         outcomes = [_outcome_in_words(of_area.isel(load=index)) for index in range(len(loads))]
         at_loads = [f"{outcomes[index]} at {loads[index]}" for index in dict.fromkeys([0, len(loads) - 1])]
-        sentences.append(
-            f"{second} against {first}: {'; '.join(at_loads if len({*outcomes}) > 1 else outcomes[:1])}"
-        )
+        words = "; ".join(at_loads if len({*outcomes}) > 1 else outcomes[:1])
+        sentences.append(f"{second} against {first}: {words}")
     return f"Contact area, {'; '.join(sentences)}." if sentences else ""
 
 

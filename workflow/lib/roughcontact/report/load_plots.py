@@ -84,10 +84,8 @@ def compare_areas(
     loads = {name: result[load_name].values * factor for name, result in results.items()}
     intervals = {name: interval_values(result, AREA) for name, result in results.items()}
     areas, lower, _ = (np.concatenate(values) for values in zip(*intervals.values(), strict=True))
-    all_areas, all_loads = (
-        np.concatenate([areas, _clipped_ends(lower, areas)]),
-        np.concatenate([*loads.values()]),
-    )
+    all_loads = np.concatenate([*loads.values()])
+    all_areas = np.concatenate([areas, _clipped_ends(lower, areas)])
     chart = _area_chart(all_loads, all_areas, **_WIDE, label=label)
     if pressure is None:
         _theory_lines(chart, all_loads)

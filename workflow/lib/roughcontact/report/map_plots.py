@@ -164,9 +164,8 @@ def _map(
     factor, of_lengths = along or length_unit(max(lengths))
     y, x = (Axis(f"{name} ({of_lengths})", 0.0, n * factor) for name, n in zip("yx", lengths, strict=True))
     low, high = (limit * unit.factor for limit in limits)
-    high = (
-        high if high > low else low + 1e-6 * unit.factor
-    )  # a flat map has no range, and a colour bar needs one
+    # a flat map has no range, and a colour bar needs one
+    high = high if high > low else low + 1e-6 * unit.factor
     extend = bool((values < limits[0]).any()), bool((values > limits[1]).any())
     bar = Axis(f"{field.label} ({unit.symbol})", low, high)
     chart = framed(field, x, y, values * unit.factor, bar=bar, extend=extend)

@@ -30,9 +30,9 @@ from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 
-# columns of the index of many surfaces, before load and all answers but the last; and what sorts by these
+# columns of the index of many surfaces, before load and all answers but the last; and what sorts by those
 _HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g")
-_SORTED_BY = {name: ANSWERS[name].quantity for name in [*ANSWERS][:-1]}
+_SORTED_BY = {glance.LOAD: glance.LOAD} | {name: ANSWERS[name].quantity for name in [*ANSWERS][:-1]}
 
 
 def write_report(
@@ -130,7 +130,7 @@ def write_report(
     html = template("report.html").render(
         head,
         rows=rows,
-        headings=(*_HEADINGS, *glance.headings_of([*_SORTED_BY], results)),
+        headings=(*_HEADINGS, *glance.headings_of([*_SORTED_BY][1:], results)),
         download="" if many else _as_download(summary),
         linked=linked,
         counts=Counter(row["verdict"] for row in rows),
@@ -249,16 +249,13 @@ def _compared(data: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[R
     """Return the cells of a surface in the index, below `_HEADINGS`, with their sorting keys."""
     rms, slope = (float(data[name]) for name in ("rms_height", "rms_gradient"))
     answers = glance.glance_rows(data, units, [index])[0]
-    cells = [glance.Cell(units["mean_gap"].text(rms)), glance.Cell(number(slope)), answers[glance.LOAD]]
-    keys: list[float | None] = [rms, slope, float(data["mean_pressure"][index])]
+    cells = [glance.Cell(units["mean_gap"].text(rms)), glance.Cell(number(slope))]
+    row = [cell._asdict() | {"key": key} for cell, key in zip(cells, (rms, slope), strict=True)]
     for name, quantity in _SORTED_BY.items():
-        cells.append(answers[name])
-        keys.append(float(data[quantity][index]) if quantity else None)
-    return [
-        cell._asdict()
-        | ({"details": "", "key": None} if key is None else {"key": key if np.isfinite(key) else ""})
-        for cell, key in zip(cells, keys, strict=True)
-    ]
+        key = float(data[quantity][index]) if quantity else np.nan
+        sorting = {"key": key if np.isfinite(key) else ""} if quantity else {"details": "", "key": None}
+        row.append(answers[name]._asdict() | sorting)
+    return row
 
 
 def _which_load(indices: Sequence[int], results: Sequence[xr.Dataset]) -> str:

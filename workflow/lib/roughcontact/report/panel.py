@@ -148,19 +148,14 @@ def _maps(
     `measured` has the faces of a pair, or the one.
     """
     *titles, title_of_levelled = _TITLES[len(measured)]
-    faces: list[tuple[str, xr.DataArray, str, map_plots.Frame | None]] = [
-        (title, face, facts.measured_caption(face), None)
-        for title, face in zip(titles, measured, strict=True)
-    ]
-    faces += [
-        (title_of_levelled, levelled, facts.levelled_caption(levelled), _frame(window)),
-        ("Solved window", window, window.attrs.get("window_reason", ""), None),
-    ]
+    titled = zip(titles, measured, strict=True)
+    faces: list[tuple] = [(title, face, facts.measured_caption(face), None) for title, face in titled]
+    faces.append((title_of_levelled, levelled, facts.levelled_caption(levelled), _frame(window)))
+    faces.append(("Solved window", window, window.attrs.get("window_reason", ""), None))
     for coarser in separate_overviews(read_dataset(overview)) if overview is not None else ():
         frame = frame_of_place(coarser, levelled)
-        faces.append(
-            (f"Overview{', the map in it' if frame else ''}", coarser, place_in_words(coarser), frame)
-        )
+        title = "Overview, the map in it" if frame else "Overview"
+        faces.append((title, coarser, place_in_words(coarser), frame))
     along = unit_of(numbers, "m along")
     return [
         (title, map_plots.height_map(height, rectangle=frame, along=along).source(), caption)

@@ -55,9 +55,8 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
         if not available:
             continue
         header, columns = zip(*(_column(numbers, *column) for column in (load, *available)), strict=True)
-        rows = [
-            {"cells": row, "flags": ", ".join(of_load)} for *row, of_load in zip(*columns, flags, strict=True)
-        ]
+        cells = zip(*columns, map(", ".join, flags), strict=True)
+        rows = [{"cells": row, "flags": remarks} for *row, remarks in cells]
         body = numbers.attrs.get("stresses_of") if title == _STRESSES else None
         tables.append({"title": f"{title}: {body}" if body else title, "header": header, "rows": rows})
     return tables
@@ -104,9 +103,7 @@ def creep_table(numbers: xr.Dataset, load_indices: Sequence[int]) -> Table | Non
         return None
     names = [name for name in CREEPING if name in TITLES and has_number(numbers, f"{name}_after")]
     units = {name: unit_of(numbers, UNITS[name]) for name in names}
-    head = (
-        f"{TITLES[name]} ({unit.symbol})" if unit.symbol else TITLES[name] for name, unit in units.items()
-    )
+    head = [f"{TITLES[name]} ({unit.symbol})".removesuffix(" ()") for name, unit in units.items()]
     of_times: list[tuple[str, Numbers]] = [("at once", numbers)]
     for column, time in enumerate(numbers["time"].values):
         after = {
