@@ -55,10 +55,6 @@ class Reader:
         readings = [(row, self.readings[_key(row)]) for row in rows]
         return [(row, reading.result() if reading.done() else UNREAD) for row, reading in readings]
 
-    def count(self) -> int:
-        """Return how many files have been read."""
-        return sum(reading.done() for reading in self.readings.values())
-
 
 def _key(row: Row) -> str:
     """Return a text that changes with the file of a row, and with what the row says of it."""

@@ -109,7 +109,8 @@ class Page:
     def _news(self) -> tuple[object, ...]:
         """Return what changes without a button: files that are read, the screen of the run, its report."""
         reports = [path.stat().st_mtime_ns for path in commands.RESULTS.glob("report.html")]
-        return self.reader.count(), self.run.state(), reports
+        read = sum(reading.done() for reading in self.reader.readings.values())
+        return read, self.run.state(), reports
 
     def _filled(self, name: str, **variables: Any) -> str:
         """Return a template with what all of them may need."""
