@@ -7,10 +7,9 @@ from known_surfaces import self_affine
 import roughcontact as rc
 from roughcontact.arguments.answers import AREA
 from roughcontact.arguments.quantities import number
-from roughcontact.evaluation.courses import FEW_STEPS, WORN, worn_in_a_run
+from roughcontact.evaluation.courses import FEW_STEPS, WORN, levelled_parts, worn_in_a_run
 from roughcontact.report.courses import course_sections
 from roughcontact.results.storage import write_dataset
-from roughcontact.uncertainty.course import levelled_parts
 from roughcontact.uncertainty.scales import to_scale
 
 LOAD, WEAR = 5e6, 1e-15

@@ -5,7 +5,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.arguments.maps import refined
-from roughcontact.contact.sliding import MAX_CONTACTS, sliding_contact
+from roughcontact.statistics.sliding import MAX_CONTACTS, sliding_contact
 
 PITCH = 1e-6  # m
 LOAD = 1e5  # Pa

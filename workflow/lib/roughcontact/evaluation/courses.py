@@ -1,6 +1,6 @@
 """What a run solves over a distance or a speed: a face that wears, rubber that slides, each with its ±.
 
-The sources, on the scale of each answer, added by their squares (`uncertainty.course`): twice what pixels
+The sources, on the scale of each answer, added by their squares: twice what pixels
 half as large change, what the instrument does, and both ends of stated loads, moduli, hardness and scales, on
 one part; and the scatter of the parts of the window, each by itself.
 
@@ -14,23 +14,37 @@ share of the friction at frequencies beyond the table of the relaxation, as if n
 that the map does not resolve are not in it: `friction_share_of_octave` shows what the shortest ones carry.
 """
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, CONDUCTANCE, ENDS, FRICTION, GAP, PEAK, PRESSURE
 from roughcontact.arguments.bodies import relaxing_body
-from roughcontact.arguments.ranges import ends
+from roughcontact.arguments.maps import refined, side_lengths, spacing
+from roughcontact.arguments.ranges import ends, name_of_range
 from roughcontact.arguments.relaxation import relaxation_of
 from roughcontact.arguments.variables import describe
 from roughcontact.statistics.precision import widened
 from roughcontact.statistics.running_in import run_in
 from roughcontact.statistics.sliding import BY_AREA, sliding_friction
-from roughcontact.uncertainty import course
-from roughcontact.uncertainty.combination import symmetric
-from roughcontact.uncertainty.inputs import HARDNESS, INPUTS
+from roughcontact.surface.faces.placing import measured_rectangle
+from roughcontact.surface.levelling.forms import form_order
+from roughcontact.surface.roughness.parameters import rms_gradient
+from roughcontact.surface.window.instrument import stated_instrument
+from roughcontact.surface.window.periodic_window import subwindow
+from roughcontact.surface.window.transfer import undone
+from roughcontact.uncertainty import combination
+from roughcontact.uncertainty.combination import Component, Components, half_widths, symmetric
+from roughcontact.uncertainty.ensemble import Result
+from roughcontact.uncertainty.inputs import HARDNESS, INPUTS, instrument_components, varied
+from roughcontact.uncertainty.overview import own_place, windows_of_places
+from roughcontact.uncertainty.random_effects import student
+from roughcontact.uncertainty.scales import to_scale
+from roughcontact.uncertainty.subwindows import divided, relevelled
 
 DISTANCE = "running_in_distance"
 WORN = (AREA, PRESSURE, PEAK, GAP, CONDUCTANCE, DISTANCE)
@@ -40,7 +54,9 @@ FEW_STEPS: dict[str, Any] = {"tolerance": 2 * TOLERANCE, "solver_tolerance": 1e-
 _ANSWERS_ALONE = {"flow": "never", "stress": "never"}  # statistics of a part
 COARSE = 1e-3  # tolerance of sliding over a part
 _OF_THE_CONTACT = ("contact_modulus", "bodies", "hardness", "influence", "zero_frequency")
-_OF_A_SEAL = ("viscosity", "pressure_difference", "width", "outlet_pressure", "mean_free_path")
+MAX_PARTS = 9
+
+Run = partial[xr.Dataset]  # the course on a window, whose arguments, by their names, may be replaced
 
 
 def worn_in_a_run(
@@ -61,12 +77,12 @@ def worn_in_a_run(
     wear, contact = settings["wear"], settings["contact"]
     arguments = {"wear_coefficient": wear["coefficient"], "sliding_distance": [0.0, *wear["distance"]]}
     arguments |= {key: contact[key] for key in _OF_THE_CONTACT} | {"mean_pressure": mean_pressure}
-    run: course.Run = partial(run_in, threads=threads, **arguments)
+    run: Run = partial(run_in, threads=threads, **arguments)
     coarse = partial(run, statistics=_ANSWERS_ALONE, **FEW_STEPS)
     worn = run(window, tolerance=TOLERANCE, statistics=settings["statistics"])
-    of_steps = course.on_scales(coarse(window), WORN) - course.on_scales(worn, WORN)
-    causes = course.causes_of_parts(window, coarse, WORN, settings, as_measured=as_measured)
-    worn = course.with_ends(worn, [course.components_of(symmetric, abs(of_steps)), *causes])
+    of_steps = on_scales(coarse(window), WORN) - on_scales(worn, WORN)
+    causes = causes_of_parts(window, coarse, WORN, settings, as_measured=as_measured)
+    worn = with_ends(worn, [components_of(symmetric, abs(of_steps)), *causes])
     worn[f"{DISTANCE}_lower"] /= wear["coefficient_factor"]
     worn[f"{DISTANCE}_upper"] *= wear["coefficient_factor"]
     return describe(worn)
@@ -93,25 +109,142 @@ def slid_in_a_run(
     arguments = {key: settings["sliding"][key] for key in ("speed", "direction")}
     # read once
     arguments["relaxation"] = relaxation_of(rubber["relaxation"], poissons_ratio=rubber["poissons_ratio"])
-    run: course.Run = partial(sliding_friction, mean_pressure=mean_pressure, threads=threads, **arguments)
+    run: Run = partial(sliding_friction, mean_pressure=mean_pressure, threads=threads, **arguments)
     conductivities = [body.get("thermal_conductivity") for body in (stiff, rubber)]
-    friction, seal = statistics["friction"] or {}, statistics["seal"]
+    friction = statistics["friction"] or {}
     slid = run(
         window,
         shear_strength=friction.get("shear_strength"),
-        seal=seal and {key: seal[key] for key in _OF_A_SEAL if seal.get(key) is not None},
+        seal=statistics["seal"],
         thermal_conductivity=None if None in conductivities else conductivities,
     )
     coarse = partial(run, tolerance=COARSE, fields=False)
-    inputs = [name for name in INPUTS if name != HARDNESS]  # nothing in a rubber flows
-    causes = course.causes_of_parts(window, coarse, SLID, settings, as_measured=as_measured, inputs=inputs)
+    causes = causes_of_parts(window, coarse, SLID, settings, as_measured=as_measured)
     shares = slid["hysteretic_friction_bound"] / slid[FRICTION], slid["friction_share_beyond_table"]
     causes += [{FRICTION: symmetric(share.values)} for share in shares]
     if overviews and levelled is not None:
-        causes += course.causes_of_places(window, coarse, SLID, levelled, overviews)
-    slid = course.with_ends(slid, causes)
+        causes += causes_of_places(window, coarse, SLID, levelled, overviews)
+    slid = with_ends(slid, causes)
     if BY_AREA in slid:
         by_area = [slid[BY_AREA] * (slid[f"{AREA}{end}"] / slid[AREA]) for end in ENDS]
         bounds = widened(by_area, ends(1.0, friction.get("shear_strength_uncertainty")))
         slid = slid.assign({f"{BY_AREA}{end}": bound for end, bound in zip(ENDS[1:], bounds, strict=True)})
     return describe(slid)
+
+
+def with_ends(course: xr.Dataset, causes: Iterable[Components]) -> xr.Dataset:
+    """Return a course with both ends of its answers, by the independent causes of their ±."""
+    for name, total in combination.sum_of_causes(causes).items():
+        bounds = combination.interval_bounds(name, to_scale(name, course[name].values), total)
+        for end, bound in zip(ENDS[1:], bounds, strict=True):
+            course = course.assign({f"{name}{end}": (course[name].dims, bound)})
+    return course
+
+
+def levelled_parts(window: xr.DataArray) -> list[xr.DataArray]:
+    """Return the parts of a window, each levelled by a plane and periodic."""
+    region = {axis: slice(0, points) for axis, points in zip("yx", window.shape, strict=True)}
+    areas = divided(region, spacing(window), MAX_PARTS)
+    return [subwindow(relevelled(window.isel(area), 1)) for area in areas]
+
+
+def on_scales(course: xr.Dataset, names: Iterable[str]) -> xr.Dataset:
+    """Return answers of a course, each on its scale; NaN for closed gaps and infinite conductances."""
+    scaled = course[[*names]].map(lambda answer: to_scale(answer.name, answer.values))
+    return scaled.where(np.isfinite(scaled))
+
+
+def components_of(form: Callable[[np.ndarray], Component], changes: xr.Dataset) -> Components:
+    """Return the components of this form of all answers, from their changes on the scales."""
+    return {str(name): form(change.values) for name, change in changes.items()}
+
+
+def scatter_of_mean(members: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Return the half-width of the mean of members, on the scales, by Student's t."""
+    factor = float(student(np.array(len(members) - 1))) / math.sqrt(len(members))
+    return factor * xr.concat(members, "member").std("member", ddof=1, skipna=False)
+
+
+def causes_of_parts(
+    window: xr.DataArray,
+    run: Run,
+    names: Sequence[str],
+    settings: Mapping[str, Mapping[str, Any]],
+    *,
+    as_measured: xr.DataArray | None = None,
+) -> list[Components]:
+    """Return what the parts of a window tell, on the scales of the answers.
+
+    These are Student's factor of their scatter, and on the first part, which stands for all, twice what
+    pixels half as large change, what noise, lens, tip and rounding of the instrument do
+    (`instrument_components`), and both ends of each input whose range the `settings` of the contact or the
+    instrument state. Closed gaps and infinite conductances have no scale, and no ends.
+
+    Parameters
+    ----------
+    window : DataArray (y, x; m)
+        the face.
+    run : callable
+        the course on another window.
+    names : sequence of str
+        the answers.
+    settings : mapping
+        sections `contact` and `instrument` of the settings.
+    as_measured : DataArray, optional
+        the window before a correction for the instrument.
+    """
+    parts = levelled_parts(window)
+    part, instrument = parts[0], stated_instrument(window, settings["instrument"])
+    courses = [run(each) for each in parts]
+    on_parts = [on_scales(course, names) for course in courses]
+    causes = [components_of(symmetric, 2 * abs(on_scales(run(refined(part, 2)), names) - on_parts[0]))]
+    if len(parts) > 1:
+        scatter = scatter_of_mean(on_parts)
+        # the largest pressure is that of one part, and scatters as in one; all others are means
+        causes.append(components_of(symmetric, scatter.assign({PEAK: math.sqrt(len(parts)) * scatter[PEAK]})))
+
+    def values_of(course: xr.Dataset) -> dict[str, np.ndarray]:
+        return {name: course[name].values for name in names}
+
+    def solve(face: xr.DataArray, *_: Any, **__: Any) -> dict[str, np.ndarray]:
+        return values_of(run(face))
+
+    result = Result(part, {"mean_pressure": np.nan}, values_of(courses[0]), solve)
+    measured_part = None if as_measured is None else levelled_parts(as_measured)[0]
+    causes += instrument_components(result, instrument, measured_part, undone(part, instrument))[0]
+    for key in INPUTS:
+        factors = ends(1.0, settings["contact"].get(name_of_range(key)) or instrument.get(key))
+        # nothing in a rubber flows
+        if factors[0] < factors[1] and (key != HARDNESS or HARDNESS in run.keywords):
+            arguments = {"window": part, **run.keywords}
+            at_ends = [on_scales(run(**varied(arguments, key, factor)), names) for factor in factors]
+            changes = xr.concat([on_parts[0], *at_ends], "end") - on_parts[0]
+            causes.append(components_of(lambda c: half_widths(-c.min(axis=0), c.max(axis=0)), changes))
+    return causes
+
+
+def causes_of_places(
+    window: xr.DataArray,
+    run: Run,
+    names: Iterable[str],
+    levelled: xr.DataArray,
+    overviews: Sequence[xr.DataArray],
+) -> list[Components]:
+    """Return what the places of the largest overview change from that of the map: mean and scatter.
+
+    The overviews lie around `levelled`, of which the window is a part. Their load is that of the map by the
+    gradient, so that coarser pixels touch as much. Of the largest pressure an overview tells less.
+    """
+    fine = measured_rectangle(levelled)
+    overview = max(overviews, key=lambda field: math.prod(side_lengths(field)))
+    own, _ = own_place(fine, overview, overviews)
+    pieces = [own, *(overview.isel(place) for place in windows_of_places(own.shape, overview))]
+    windows = [subwindow(relevelled(piece, form_order(fine))) for piece in pieces]
+    touching = run.keywords["mean_pressure"] * (rms_gradient(windows[0]) / rms_gradient(window))
+    without_peak = [name for name in names if name != PEAK]
+    of_map, *of_places = (on_scales(run(piece, mean_pressure=touching), without_peak) for piece in windows)
+    changes = [of_place - of_map for of_place in of_places]
+    return [
+        components_of(combination.one_sided, xr.concat(changes, "place").mean("place", skipna=False)),
+        components_of(symmetric, scatter_of_mean(changes)),
+    ]

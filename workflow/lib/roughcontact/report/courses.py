@@ -4,14 +4,14 @@ Each is a part of the page: charts and sentences of a file beside the statistics
 """
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import AREA, CONDUCTANCE, ENDS, FRICTION, GAP, PEAK, TITLES, UNITS
+from roughcontact.arguments.answers import AREA, CONDUCTANCE, FRICTION, GAP, PEAK, TITLES, UNITS
 from roughcontact.arguments.quantities import number, quantity
 from roughcontact.arguments.relaxation import MAX_MISFIT
 from roughcontact.report.charts import COLOURS, DASHED, Axis, Chart, curves_chart, load_label, log_axis
@@ -69,45 +69,39 @@ def answer_with_courses(line: str, courses: Mapping[str, Mapping[str, Any]]) -> 
 def _unloading(loading: xr.Dataset, residual: xr.Dataset) -> Part:
     """Return charts of both ways of the load, and a sentence for each peak."""
     suffix = "_as_solved"  # the way back has no correction for the grid either
-    as_solved = [key for key in map(str, loading) if key.endswith(suffix)]
-    loading = loading.assign({key.removesuffix(suffix): loading[key] for key in as_solved})
-    if "peak" not in residual.dims:
-        residual = residual.expand_dims("peak")
-    peaks = [residual.isel(peak=index) for index in range(residual.sizes["peak"])]
+    as_solved = {key.removesuffix(suffix): loading[key] for key in map(str, loading) if key.endswith(suffix)}
+    loading = loading.assign(as_solved).sortby("mean_pressure")
+    peaks = _along(residual, "peak")
     unloadings = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
-    charts = {TITLES[result]: _loading_and_unloading(loading, unloadings, result) for result in _UNLOADED}
-    drawn = {label: chart for label, chart in charts.items() if chart}
-    return drawn, [_lowered(loading, unloading) for unloading in unloadings]
+    drawn = {TITLES[result]: _loading_and_unloading([loading, *unloadings], result) for result in _UNLOADED}
+    sentences = [_lowered(loading, unloading) for unloading in unloadings]
+    return {label: chart for label, chart in drawn.items() if chart}, sentences
 
 
-def _loading_and_unloading(
-    loading: xr.Dataset, unloadings: Sequence[xr.Dataset], result: str
-) -> Chart | None:
+def _loading_and_unloading(ways: Sequence[xr.Dataset], result: str) -> Chart | None:
     """Draw one result on loading and on unloading against the load, both logarithmic, if all have it."""
-    curves = [loading.sortby("mean_pressure"), *unloadings]
-    if not all(result in curve for curve in curves):
+    if not all(result in way for way in ways):
         return None
-    pascals, unit = unit_of(loading, "Pa"), unit_of(loading, UNITS[result])
-    loads = [curve["mean_pressure"].values * pascals.factor for curve in curves]
-    values = [curve[result].values * unit.factor for curve in curves]
+    pascals, unit = unit_of(ways[0], "Pa"), unit_of(ways[0], UNITS[result])
+    loads = [way["mean_pressure"].values * pascals.factor for way in ways]
+    values = [way[result].values * unit.factor for way in ways]
     if not (np.concatenate(values) > 0).any():
         return None
     y_axis = log_axis(f"{TITLES[result]} ({unit.symbol})", np.concatenate(values), room=1.6)
     chart = Chart(log_axis(load_label(pascals), np.concatenate(loads)), y_axis)
-    for index, (curve, x, y) in enumerate(zip(curves, loads, values, strict=True)):
-        unloading = f"unloading from {quantity(float(curve['peak_pressure']), 'Pa')}" if index else "loading"
-        chart.line(x, y, colour=COLOURS[index % len(COLOURS)], dash=DASHED if index else "", label=unloading)
+    for index, (way, x, y) in enumerate(zip(ways, loads, values, strict=True)):
+        label = f"unloading from {quantity(float(way['peak_pressure']), 'Pa')}" if index else "loading"
+        chart.line(x, y, colour=COLOURS[index % len(COLOURS)], dash=DASHED if index else "", label=label)
     return chart
 
 
 def _lowered(loading: xr.Dataset, unloading: xr.Dataset) -> str:
     """Return what flow has lowered by how much, and the area of both ways at the lowest load, in words."""
     lightest = unloading.isel(load=int(np.argmin(unloading["mean_pressure"].values)))
-    loads, areas = (loading.sortby("mean_pressure")[name].values for name in ("mean_pressure", AREA))
     load = float(lightest["mean_pressure"])
-    ways = {"on loading": np.interp(load, loads, areas, left=np.nan), "on unloading": lightest[AREA]}
-    areas_by_way = {way: float(area) for way, area in ways.items() if np.isfinite(area)}
-    return sentence("flow_has_lowered", _scalars(unloading), load, areas_by_way)
+    on_loading = np.interp(load, loading["mean_pressure"].values, loading[AREA].values, left=np.nan)
+    areas = {"on loading": float(on_loading), "on unloading": lightest[AREA].item()}
+    return sentence("flow_has_lowered", _scalars(unloading), load, areas)
 
 
 def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
@@ -117,47 +111,38 @@ def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
     """
     from roughcontact.report.map_plots import pressure_map  # with all that levels maps, for few pages
 
-    over = over if "direction" in over.dims else over.expand_dims("direction")
-    ways = [over.isel(direction=index) for index in range(over.sizes["direction"])]
+    ways = _along(over, "direction")
     highest = [way.isel(speed=int(way[FRICTION].values.argmax())) for way in ways]
     first = int(np.argmax([way[FRICTION].item() for way in highest]))
-    course, speed = ways[first], over["speed"].values
-    x_axis = log_axis("sliding speed v (m/s)", speed, room=1.3)
+    course, fastest, speed = ways[first], highest[first], over["speed"].values
     way_labels = [f", {way['direction'].item():g}°" if len(ways) > 1 else "" for way in ways]
     curves = {
         f"hysteresis, as solved{name}": interval_values(way, FRICTION)
         for way, name in zip(ways, way_labels, strict=True)
     }
     curves |= {label: [course[name].values] for name, label in _FRICTIONS.items() if name in over}
-    charts = {
-        "coefficient of friction over the speed": curves_chart(
-            x_axis, speed, "coefficient of friction μ", curves
-        ),
-        f"pressure at {highest[first]['speed'].item():.3g} m/s{way_labels[first]}": pressure_map(
-            xr.zeros_like(highest[first]["pressure"]), highest[first]["pressure"].values
-        ),
-        "share of the friction by wavelength": _octaves(highest[first]),
+    x_axis = log_axis("sliding speed v (m/s)", speed, room=1.3)
+    of_friction = curves_chart(x_axis, speed, "coefficient of friction μ", curves)
+    pressure = pressure_map(xr.zeros_like(fastest["pressure"]), fastest["pressure"].values)
+    drawn = {
+        "coefficient of friction over the speed": of_friction,
+        f"pressure at {fastest['speed'].item():.3g} m/s{way_labels[first]}": pressure,
+        "share of the friction by wavelength": _octaves(fastest),
+        **_over(course, (AREA, GAP), x_axis, speed, "over the speed"),
     }
-    charts |= {
-        f"{TITLES[name]} over the speed": _course_chart(course, name, speed, x_axis) for name in (AREA, GAP)
-    }
-    peaks = [(_scalars(way), [way[f"{FRICTION}{suffix}"].item() for suffix in ENDS]) for way in highest]
+    others = [_scalars(way) for way in highest if way is not fastest]
     misfit = float(over.attrs["relaxation_misfit"])  # of the table from every linear material
-    misfit = misfit if misfit > MAX_MISFIT else 0.0
-    others = peaks[:first] + peaks[first + 1 :]
-    return charts, [sentence("slides", *peaks[first], others, misfit, _warm_from(course))]
+    return drawn, [sentence("slides", _scalars(fastest), others, misfit, MAX_MISFIT, _warm_from(course))]
 
 
 def _warm_from(over: xr.Dataset) -> tuple[float, float] | None:
     """Return the speed (m/s) from which on the contact is 10 K warmer, and the highest; None: not known."""
     if "max_flash_temperature" not in over:
         return None
-    warmer, speed = over["max_flash_temperature"].values, over["speed"].values
-    above = np.flatnonzero(warmer >= WARM)
-    if not above.size or above[0] == 0:
-        return (float(speed[0]) if above.size else np.inf), float(speed[-1])
-    pair = slice(above[0] - 1, above[0] + 1)  # between two speeds by power laws
-    return float(np.exp(np.interp(np.log(WARM), *np.log([warmer[pair], speed[pair]])))), float(speed[-1])
+    # between two speeds by power laws
+    warmest, speed = np.maximum.accumulate(over["max_flash_temperature"].values), over["speed"].values
+    warm = np.interp(np.log(WARM), np.log(warmest), np.log(speed), right=np.inf)
+    return float(np.exp(warm)), float(speed[-1])
 
 
 def _octaves(highest: xr.Dataset) -> Chart:
@@ -175,38 +160,45 @@ def _wear(_: xr.Dataset, over: xr.Dataset) -> Part:
     from roughcontact.report.map_plots import height_map  # with all that levels maps, for few pages
 
     before, after = over.isel(sliding_distance=0), over.isel(sliding_distance=-1)
-    last = _scalars(after)
-    faces = {"before wear": before, f"after {number(last['sliding_distance'])} m": after}
-    charts = {
-        f"heights {text}": height_map(face["height"], like=before["height"]) for text, face in faces.items()
-    }
-    distances = over["sliding_distance"].values.copy()
-    distances[distances == 0] = distances[distances > 0].min() / 3  # the face as it is stands at the left end
+    last, unit = _scalars(after), unit_of(before, "m")
+    after_in_words = f"heights after {number(last['sliding_distance'])} m"
+    distances = over["sliding_distance"].values
+    # the face as it is stands at the left end
+    distances = np.where(distances == 0, distances[distances > 0].min() / 3, distances)
     x_axis = log_axis("sliding distance s (m), leftmost: 0", distances, room=1.3)
-    charts |= {
-        f"{TITLES[result]} over the distance": _course_chart(over, result, distances, x_axis)
-        for result in _WORN
-        if result in over
-    }
-    unit = unit_of(before, "m")
     heights = over[[*_HEIGHTS]].where(over[[*_HEIGHTS]] >= CLOSED) * unit.factor
     curves = {f"{name}, {words}": [heights[name].values] for name, words in _HEIGHTS.items()}
-    chart = curves_chart(x_axis, distances, f"height ({unit.symbol})", curves)
-    charts["height parameters over the distance"] = chart
-    settled = [over[f"running_in_distance{suffix}"].item() for suffix in ENDS]
-    areas, rms_heights = ([face[name].item() for face in (before, after)] for name in (AREA, "Sq"))
-    return charts, [sentence("runs_in", last, settled, areas, rms_heights, CLOSED)]
+    drawn = {
+        "heights before wear": height_map(before["height"], like=before["height"]),
+        after_in_words: height_map(after["height"], like=before["height"]),
+        **_over(over, _WORN, x_axis, distances, "over the distance"),
+        "height parameters over the distance": curves_chart(
+            x_axis, distances, f"height ({unit.symbol})", curves
+        ),
+    }
+    return drawn, [sentence("runs_in", last, _scalars(before), CLOSED)]
 
 
-def _course_chart(course: xr.Dataset, result: str, abscissa: np.ndarray, x_axis: Axis) -> Chart:
-    """Draw one result with its interval over a single dimension, along a logarithmic axis."""
-    (dimension,) = course[result].dims
-    unit = unit_of(course.isel({dimension: 0}), UNITS[result])
-    # a hardness along the course is no limit of a single contact
-    curves = interval_values(course.drop_vars("hardness", errors="ignore"), result)
-    lowest = CLOSED if result == GAP else 0.0  # finer than atoms nothing is known
-    curve = [np.where(values >= lowest, values * unit.factor, np.nan) for values in curves]
-    return curves_chart(x_axis, abscissa, f"{TITLES[result]} ({unit.symbol})", {"": curve})
+def _over(
+    course: xr.Dataset, results: Iterable[str], x_axis: Axis, abscissa: np.ndarray, words: str
+) -> dict[str, Chart]:
+    """Draw the results that a course has, with their intervals, along a logarithmic axis."""
+    drawn = {}
+    for result in (name for name in results if name in course):
+        unit = unit_of(course.isel(dict.fromkeys(course[result].dims, 0)), UNITS[result])
+        # a hardness along the course is no limit of a single contact
+        curves = interval_values(course.drop_vars("hardness", errors="ignore"), result)
+        lowest = CLOSED if result == GAP else 0.0  # finer than atoms nothing is known
+        curve = [np.where(values >= lowest, values * unit.factor, np.nan) for values in curves]
+        label = f"{TITLES[result]} ({unit.symbol})"
+        drawn[f"{TITLES[result]} {words}"] = curves_chart(x_axis, abscissa, label, {"": curve})
+    return drawn
+
+
+def _along(numbers: xr.Dataset, dimension: str) -> list[xr.Dataset]:
+    """Return what a dataset has at each position of a dimension, which it may lack."""
+    several = numbers if dimension in numbers.dims else numbers.expand_dims(dimension)
+    return [several.isel({dimension: index}) for index in range(several.sizes[dimension])]
 
 
 def _scalars(numbers: xr.Dataset) -> dict[str, Any]:

@@ -201,7 +201,7 @@ def contact_statistics(
     columns |= conductance.conductance_columns(stiffness, contact_modulus=modulus, bodies=bodies)
     columns |= conductance.resistances_and_joint(columns, joint)
     if seal is not None and with_flow:
-        leaks, numbers_of_seal = _leaks(columns, seal)
+        leaks, numbers_of_seal = leaks_of_seal(columns, seal)
         columns |= leaks
         parameters |= numbers_of_seal
     columns |= _theory_columns(contact, surface)
@@ -239,7 +239,7 @@ def contact_statistics(
     return describe(statistics)
 
 
-def _leaks(
+def leaks_of_seal(
     columns: Mapping[str, np.ndarray], seal: Mapping[str, Any]
 ) -> tuple[dict[str, np.ndarray], dict[str, float]]:
     """Return the leak rates of the loads (m2/s), and of the seal what does not depend on the load.

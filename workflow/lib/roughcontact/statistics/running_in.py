@@ -168,39 +168,28 @@ def run_in(
     window = own_parameters(window)
     first = solve_contact(window, **options, mean_pressure=load, tolerance=solver_tolerance, threads=threads)
     faces = worn_faces(first, elasticity(**options), wear, distances, tolerance=tolerance, threads=threads)
-    # either body may have the face
-    layers = (
-        [top_material(body).get("thickness", math.inf) for body in check_bodies(bodies)] if bodies else []
-    )
-    thinnest = min(layers, default=math.inf)
-    rows, areas = [], {}
+    checked_bodies = check_bodies(bodies) if bodies else []
+    rows, areas = [], []
     for steps, worn in enumerate(faces):
         depth = first["height"].values - worn.height.values
-        if (lost := float(depth.max())) >= thinnest:
-            which = ("first", "second")[layers.index(thinnest)]
-            raise SettingsError(
-                f"sliding_distance: after {worn.distance:g} m the face has lost {lost:g} m, and the "
-                f"outermost layer of the {which} body is {thinnest:g} m thick; give shorter distances",
-                keys=["sliding_distance"],
-            )
-        areas[worn.distance] = relative_contact_area(worn.pressure > 0)
-        if worn.distance not in distances:
-            continue
-        contact = worn.contact.assign_attrs(first.attrs)
-        counted = contact_statistics(contact, **{"bodies": bodies, **(statistics or {})}).isel(load=0)
-        numbers = counted[[name for name, variable in counted.variables.items() if not variable.dims]]
-        rows.append(
-            numbers.reset_coords(drop=True).assign(
-                height=worn.height.drop_attrs(),
-                worn_volume=float(depth.mean()),
-                max_worn_depth=lost,
-                time_error_bound=math.sqrt(worn.squared_error),
-                wear_steps=steps,
-            )
-        )
+        lost = float(depth.max())
+        for which, body in zip(("first", "second"), checked_bodies, strict=False):  # either may have the face
+            if lost >= (thickness := top_material(body).get("thickness", math.inf)):
+                raise SettingsError(
+                    f"sliding_distance: after {worn.distance:g} m the face has lost {lost:g} m, and the "
+                    f"outermost layer of the {which} body is {thickness:g} m thick; give shorter distances",
+                    keys=["sliding_distance"],
+                )
+        areas.append((worn.distance, relative_contact_area(worn.pressure > 0)))
+        if worn.distance in distances:
+            contact = worn.contact.assign_attrs(first.attrs)
+            counted = contact_statistics(contact, **{"bodies": bodies, **(statistics or {})}).isel(load=0)
+            numbers = {"height": worn.height.drop_attrs(), "worn_volume": float(depth.mean())}
+            numbers |= {"max_worn_depth": lost, "time_error_bound": math.sqrt(worn.squared_error)}
+            numbers |= {"wear_steps": steps}
+            rows.append(counted.drop_dims([*counted.dims]).reset_coords(drop=True).assign(numbers))
     along = xr.concat(rows, xr.Variable("sliding_distance", distances))
-    settled = running_in_distance(np.array([*areas]), np.array([*areas.values()]))
-    return describe(along.assign(running_in_distance=settled))
+    return describe(along.assign(running_in_distance=running_in_distance(*np.transpose(areas))))
 
 
 def worn_faces(

@@ -90,24 +90,21 @@ def _end(source: str, factor: float, result: Result, solution: xr.Dataset) -> tu
     Where no point reaches the lower of two hardnesses, nothing changes, and nothing is solved.
     """
     solved_values = {name: solution[name].values for name in headline_names(solution)}
-    load, window = solution[_LOAD].values, result.window
+    load = solution[_LOAD].values
     change, flows = np.full(load.shape, math.log(factor)), np.full(load.shape, fill_value=True)
     if source == HARDNESS:
         flows = solved_values[PEAK] >= (1 - NEAR_HARDNESS) * min(factor, 1.0) * result.hardness
     if not flows.any():
         return change, solved_values
-    contact = {**result.contact, _LOAD: load}
+    contact = {**result.contact, _LOAD: load, "window": result.window}
     if source == _MODULUS:
         bodies = json_attribute(solution.attrs, "bodies") or None
         contact |= {_MODULUS: float(solution[_MODULUS]), "bodies": bodies}
-    if source in AMPLIFICATIONS:
-        window = amplified(window, source, factor)
-    else:
-        contact = varied(contact, source, factor)
+    contact = varied(contact, source, factor)
     if source == _LOAD:
         change = np.log(contact[_LOAD] / load)
     tolerance = TOLERANCE if source == HARDNESS else contact.get("tolerance", 1e-4)
-    values = solve_member(window, contact, tolerance=tolerance, names=solved_values)
+    values = solve_member(contact.pop("window"), contact, tolerance=tolerance, names=solved_values)
     if CONDUCTANCE in values:  # infinite, not unknown, in full contact
         infinite = np.isnan(values[CONDUCTANCE]) & np.isfinite(values[AREA])
         values[CONDUCTANCE] = np.where(infinite, np.inf, values[CONDUCTANCE])
@@ -117,15 +114,8 @@ def _end(source: str, factor: float, result: Result, solution: xr.Dataset) -> tu
     return change, values
 
 
-def amplified(window: xr.DataArray, name: str, factor: float) -> xr.DataArray:
-    """Return a window whose heights or, by the name of their amplification, lengths are so many times."""
-    if name == _HEIGHTS:
-        return window.copy(data=factor * window.values)
-    return window.assign_coords({axis: factor * window[axis] for axis in window.dims})
-
-
 def varied(arguments: Mapping[str, Any], name: str, factor: float) -> dict[str, Any]:
-    """Return arguments of a contact with a load, all moduli or a hardness `factor` times as large.
+    """Return arguments of a contact with a load, all moduli, a hardness or a scale `factor` times as large.
 
     A contact of which all yields carries no more.
 
@@ -135,6 +125,12 @@ def varied(arguments: Mapping[str, Any], name: str, factor: float) -> dict[str, 
     >>> f"{yielding['mean_pressure']:.6g}"
     '4.99999e+06'
     """
+    if name in AMPLIFICATIONS:
+        window = arguments["window"]
+        if name == _HEIGHTS:
+            return {**arguments, "window": window.copy(data=factor * window.values)}
+        lengths = {axis: factor * window[axis] for axis in window.dims}
+        return {**arguments, "window": window.assign_coords(lengths)}
     is_modulus = name == _MODULUS
     changed = stiffer(arguments, factor) if is_modulus else {**arguments, name: factor * arguments[name]}
     if changed.get(HARDNESS):
