@@ -299,25 +299,24 @@ def pixel_size(height: Attributes, window: Attributes) -> Check:
     instrument, pixel = instrument_kind(height), float(window.get("pixel_pitch", 0.0))
     if instrument is UNKNOWN or not pixel:
         return not_made("the file does not name the kind of its instrument.")
-    subject = f"Pixels of {quantity(pixel, 'm', digits=2)} are"
+    subject, words = f"Pixels of {quantity(pixel, 'm', digits=2)} are", instrument.words
     low, high = instrument.step
     if not low <= pixel <= high:
         return review(
-            f"{subject} not those of {instrument.words} ({quantity(low, 'm')} to {quantity(high, 'm')}).",
+            f"{subject} not those of {words} ({quantity(low, 'm')} to {quantity(high, 'm')}).",
             advice="Check the lateral unit.",
         )
-    times = _magnification(height)
-    if not times:
-        return passed(f"{subject} those of {instrument.words}.")
-    # a pixel on the surface is one of the camera, over the magnification
-    camera = pixel * times
-    lens = f"{instrument.words} with a lens of {number(times, digits=2)}×"
-    if not _CAMERA[0] <= camera <= _CAMERA[1]:
-        return review(
-            f"{subject} not those of {lens}: they would be {quantity(camera, 'm', digits=2)} on its camera.",
-            advice="Check the lateral unit, and whether the map was resampled.",
-        )
-    return passed(f"{subject} those of {lens}.")
+    if times := _magnification(height):
+        # a pixel on the surface is one of the camera, over the magnification
+        camera = pixel * times
+        words += f" with a lens of {number(times, digits=2)}×"
+        if not _CAMERA[0] <= camera <= _CAMERA[1]:
+            on_camera = quantity(camera, "m", digits=2)
+            return review(
+                f"{subject} not those of {words}: they would be {on_camera} on its camera.",
+                advice="Check the lateral unit, and whether the map was resampled.",
+            )
+    return passed(f"{subject} those of {words}.")
 
 
 def instrument_kind(height: Attributes) -> Kind:

@@ -361,13 +361,11 @@ def steep_places(window: Attributes) -> Check:
 
 def reading(height: Attributes, attrs: Attributes) -> Check:
     """Check that the file was read without a warning; what the user asked for is a note."""
-    warnings, facts = json_attribute(height, "ingest_warnings"), {*json_attribute(height, "ingest_facts")}
-    if not warnings:
+    if not (warnings := json_attribute(height, "ingest_warnings")):
         return passed("Read without a warning.")
-    findings = dict(zip(warnings, warnings, strict=True))
+    # the same sentences, with what levelling did about them: the check of the outliers judges them
     spikes = json_attribute(height, "ingest_spikes") if attrs.get("outlier_threshold") else {}
-    # the same sentences, with what levelling did about them
-    findings.update(spikes)  # the check of the outliers judges them
+    findings = dict(zip(warnings, warnings, strict=True)) | spikes
     if spikes:
         success = "and removed" if attrs.get("outliers_rejected") else "in vain: none was removed"
         findings[[*spikes][-1]] += f"; isolated ones were searched for {success}"
@@ -376,5 +374,5 @@ def reading(height: Attributes, attrs: Attributes) -> Check:
         f"{finding[0] if finding.startswith(files) else finding[0].upper()}{finding[1:].rstrip('.')}."
         for finding in findings.values()
     )
-    facts.update(spikes)
+    facts = {*json_attribute(height, "ingest_facts"), *spikes}
     return (noted if facts.issuperset(warnings) else review)(text)
