@@ -234,6 +234,12 @@ PERIODIC_MAP = KindFacts(
     },
 )
 LOCAL_SCALE = LocalScaleFacts(name="local scale", own_settings={"contact": ("form",)})
+_OF_PERIODIC_MAPS = (
+    *("window", "wear", "sliding", "instrument.correct"),
+    *(f"contact.{key}" for key in ("area", "target_area", "target_gap", "target", "unload")),
+    *("statistics.seal", "statistics.work_of_adhesion", "statistics.requirement"),
+    *("statistics.friction.speed", "statistics.friction.tangential_load"),
+)
 FINITE_BODY = FiniteBodyFacts(
     name="finite body",
     boundary="free",
@@ -273,15 +279,7 @@ FINITE_BODY = FiniteBodyFacts(
         "statistics.joint.allowed_temperature_drop": _JOINT,
         "contact.precision": "finite bodies are solved in double precision; leave it out",
         **dict.fromkeys(["window.shortest_wavelength", "window.longest_wavelength"], _FILTERS),
-        **dict.fromkeys(
-            [
-                *("window", "wear", "sliding"),
-                *(f"contact.{key}" for key in ("area", "target_area", "target_gap", "target", "unload")),
-                *("statistics.seal", "statistics.work_of_adhesion", "statistics.requirement"),
-                *("statistics.friction.speed", "statistics.friction.tangential_load", "instrument.correct"),
-            ],
-            _PERIODIC,
-        ),
+        **dict.fromkeys(_OF_PERIODIC_MAPS, _PERIODIC),
     },
     excluded_with={
         "layers": {

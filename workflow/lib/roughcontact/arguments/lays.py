@@ -21,23 +21,17 @@ class LayFacts(NamedTuple):
 
 
 _ENSEMBLE = "the surfaces with the spectrum, heights and slopes of {profiles}"
+_ALONG = (
+    "lay = 'along': a profile along the lay runs on one ridge and shows nothing of the others, which carry "
+    "the load; give it as one of `along` beside those across the lay (in a table in one group)"
+)
+_RIDGES = "The profile runs across a lay, as stated: its ridges are endless."
+_NO_LAY = "No lay, as stated: the numbers are those of isotropic surfaces with this spectrum."
 _LAYS = {
-    ACROSS: LayFacts(
-        False, "The profile runs across a lay, as stated: its ridges are endless.", takes_profiles_along=True
-    ),
-    ISOTROPIC: LayFacts(
-        True,
-        "No lay, as stated: the numbers are those of isotropic surfaces with this spectrum.",
-        ensemble=_ENSEMBLE,
-    ),
+    ACROSS: LayFacts(False, _RIDGES, takes_profiles_along=True),
+    ISOTROPIC: LayFacts(True, _NO_LAY, ensemble=_ENSEMBLE),
     BOTH: LayFacts(True, "Waves along the lay are {stretch} times as long as across.", ensemble=_ENSEMBLE),
-    "along": LayFacts(
-        False,
-        "",
-        refusal="lay = 'along': a profile along the lay runs on one ridge and shows nothing of the others, "
-        "which carry the load; give it as one of `along` beside those across the lay (in a table in one "
-        "group)",
-    ),
+    "along": LayFacts(False, "", refusal=_ALONG),
 }
 _NOT_STATED = LayFacts(False, "")
 

@@ -53,8 +53,7 @@ def as_declared(
     ...
     roughcontact.errors.SettingsError: angle = 'steep': give a number
     """
-    arguments = signature(function).parameters
-    kinds = {name: _kind(argument.annotation) for name, argument in arguments.items()}
+    kinds = {name: _kind(argument.annotation) for name, argument in signature(function).parameters.items()}
 
     def taken(name: str, value: Any) -> Any:
         kind, may_be_none = kinds.get(name, (None, True))
@@ -64,7 +63,7 @@ def as_declared(
     # names of the arguments by position
     @wraps(function)
     def converted(*args: Any, **options: Any) -> Any:
-        values = [taken(name, value) for name, value in zip(arguments, args, strict=False)]
+        values = [taken(name, value) for name, value in zip(kinds, args, strict=False)]
         remaining = args[len(values) :]  # for the function to refuse
         return function(*values, *remaining, **{name: taken(name, value) for name, value in options.items()})
 
@@ -79,8 +78,7 @@ _KINDS |= dict.fromkeys(_NUMBERS, "a list of numbers")
 
 def _kind(annotation: Any) -> tuple[Any, bool]:
     """Return the only one of `_KINDS` that an annotation names, else None, and whether it admits None."""
-    is_union = isinstance(annotation, UnionType) or get_origin(annotation) is Union
-    named = get_args(annotation) if is_union else [annotation]
+    named = get_args(annotation) if get_origin(annotation) in (UnionType, Union) else [annotation]
     kinds = {kind if kind in _NUMBERS else get_origin(kind) or kind for kind in named}
     others = kinds - {type(None)}
     return next(iter(others)) if len(others) == 1 and others <= {*_KINDS} else None, others < kinds

@@ -1,6 +1,5 @@
-"""Settings and the table of surfaces: their models, and the messages about mistakes in them.
+"""The settings: their models, and the messages about mistakes in them.
 
-`models` (the sections) → `fields` → `messages` → `resolve` (the settings of every case), `surfaces` (the
-table) → `study` (both). `stages` and `dependencies` say what a stage depends on, `plan` what each job reads,
-writes and needs.
+`plausible` (numbers with their unit) → `models` (the sections) → `fields` → `messages` → `resolve` (the
+settings of every case). `generated` writes the default configuration, `stages` says what a stage depends on.
 """
