@@ -55,11 +55,8 @@ def same_loads(settings: Mapping[str, Any]) -> bool:
 def contacts(settings: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
     """Return the settings of the contact by case, whose name is empty where there are none."""
     cases = {"": settings} if "contact" in settings else settings
-    return [
-        (name, case["contact"])
-        for name, case in cases.items()
-        if isinstance(case, Mapping) and "contact" in case
-    ]
+    sections = {name: case for name, case in cases.items() if isinstance(case, Mapping)}
+    return [(name, case["contact"]) for name, case in sections.items() if "contact" in case]
 
 
 def measured_in_words(dates: Mapping[str, str]) -> str:

@@ -225,12 +225,9 @@ def _line_styles(series: Iterable[Key], groups_by_surface: Mapping[str, str]) ->
 
     The maps of a group (name of a map -> of its group) have one colour, cases have line styles.
     """
-    colours = list(dict.fromkeys(groups_by_surface.get(surface, surface) for surface, _ in series))
-    cases = list(dict.fromkeys(case for _, case in series))
-    return {
-        (surface, case): (colours.index(groups_by_surface.get(surface, surface)), cases.index(case))
-        for surface, case in series
-    }
+    colour_of = {surface: groups_by_surface.get(surface, surface) for surface, _ in series}
+    colours, cases = list(dict.fromkeys(colour_of.values())), list(dict.fromkeys(case for _, case in series))
+    return {key: (colours.index(colour_of[key[0]]), cases.index(key[1])) for key in series}
 
 
 def _series(statistics: xr.Dataset) -> dict[Key, xr.Dataset]:

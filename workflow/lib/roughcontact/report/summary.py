@@ -63,11 +63,12 @@ def relative_links(panel: str | Path, files: Mapping[str, str | Path]) -> list[t
     >>> relative_links("results/soft/one/panel.html", {"solved window": "results/hard/one/window.nc"})
     [('solved window', 'window.nc', '../../hard/one/window.nc')]
     """
-    folder = Path(panel).parent
-    return [
-        (holds, Path(file).name, quote(Path(os.path.relpath(file, folder)).as_posix()))
-        for holds, file in files.items()
-    ]
+    return [(holds, Path(file).name, _address(file, Path(panel).parent)) for holds, file in files.items()]
+
+
+def _address(file: str | Path, folder: str | Path) -> str:
+    """Return the address of a file as seen from a page in a folder."""
+    return quote(Path(os.path.relpath(file, folder)).as_posix())
 
 
 def from_page(text: str, panel: str | Path, folder: str | Path) -> str:
@@ -81,7 +82,7 @@ def from_page(text: str, panel: str | Path, folder: str | Path) -> str:
     >>> from_page(link, "results/one/panel.html", "results/pages")
     '<a class="file" href="../one/window.nc">'
     """
-    route = quote(Path(os.path.relpath(Path(panel).parent, folder)).as_posix())
+    route = _address(Path(panel).parent, folder)
 
     def moved(link: re.Match[str]) -> str:
         address = os.path.normpath(f"{route}/{html.unescape(link[1])}")
