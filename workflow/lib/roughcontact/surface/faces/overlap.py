@@ -95,8 +95,13 @@ class Pair:
         half = half_y * cosine + half_x * sine, half_x * cosine + half_y * sine
         ranges = []
         for axis, points in enumerate(lower.shape):
-            number, step = _points_and_step(points, lower.step[axis], steps[axis], periodic=lower.periodic)
-            origin = -(points - 1) * lower.step[axis] / 2
+            number, step = points, lower.step[axis]
+            origin = -(points - 1) * step / 2
+            if points > 1 and steps[axis] < step * (1 - STEP_TOLERANCE):  # refined evenly
+                # a period has as many intervals as points, a line one less
+                length = (points - (not lower.periodic)) * step
+                intervals = int(np.ceil(length / steps[axis] - POINT_TOLERANCE))
+                number, step = intervals + (not lower.periodic), length / intervals
             start, stop = 0, number
             if not upper.periodic:
                 # points on the border belong to the overlap, whatever their rounding
@@ -122,15 +127,3 @@ class Pair:
             for p, n, d in zip(positions, self.lower.shape, self.lower.step, strict=True)
         ]
         return min(1.0, float(np.prod(shares)))
-
-
-def _points_and_step(
-    points: int, face_step: float, other_step: float, *, periodic: bool
-) -> tuple[int, float]:
-    """Return number of points and step along an axis, refined evenly to at most the other step."""
-    if points == 1 or other_step >= face_step * (1 - STEP_TOLERANCE):
-        return points, face_step
-    intervals = points - (not periodic)  # a period has as many intervals as points, a line one less
-    length = intervals * face_step
-    closer = int(np.ceil(length / other_step - POINT_TOLERANCE))
-    return closer + (not periodic), length / closer

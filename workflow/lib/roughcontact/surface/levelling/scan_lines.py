@@ -20,8 +20,7 @@ def line_offsets(values: np.ndarray, *, method: str) -> np.ndarray:
     points, in which structure that continues from row to row cancels but errors accumulate. The mean of the
     map is unchanged.
     """
-    is_measured = ~np.isnan(values)
-    rows = np.nonzero(is_measured.any(axis=1))[0]
+    rows = np.flatnonzero((~np.isnan(values)).any(axis=1))
     offsets = np.zeros(len(values))
     if method == "median":
         offsets[rows] = np.nanmedian(values[rows], axis=1)
