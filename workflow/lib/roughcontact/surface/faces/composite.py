@@ -104,7 +104,8 @@ def composite(
         )
     coordinates = [p + c for p, c in zip(positions, lower.middle, strict=True)]
     # a plane would break the period that both have
-    form, form_record = fit_polynomial(values, coordinates, order=0 if pair.is_periodic() else 1)
+    order, form_name = (0, "mean") if pair.is_periodic() else (1, "plane")
+    form, form_record = fit_polynomial(values, coordinates, order=order)
     values = values - form
     on_filled &= is_measured
     attrs = _attributes(lower, upper, on_filled)
@@ -113,7 +114,7 @@ def composite(
     sizes = [math.prod(side.lengths) if min(side.shape) > 1 else max(side.lengths) for side in (lower, upper)]
     attrs |= {
         "source_file": pair.name,
-        "form": "mean" if pair.is_periodic() else "plane",
+        "form": form_name,
         **json_attributes({"form_removed": form_record}),
         "shift_y": float(shift[0]),
         "shift_x": float(shift[1]),

@@ -53,8 +53,8 @@ def fit_statistics(fit: ProfileFit, rng: np.random.Generator | None = None) -> F
 
 
 def _redrawn(profiles: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, float]:
-    # in blocks, within which the waves stay as they are
     """Return pieces (number, points; m) drawn with replacement, their mean square slope over that of all."""
+    # in blocks, within which the waves stay as they are
     length = profiles.shape[1] // _BLOCKS
     blocks = profiles[:, : length * _BLOCKS].reshape(-1, length)
     sample = blocks[rng.integers(len(blocks), size=len(blocks))]

@@ -30,9 +30,8 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     if curve[0] == 0:
         return dict.fromkeys(BEARING_PARAMETERS, 0.0) | {"Smr1": math.nan, "Smr2": math.nan}
     ratio = np.linspace(0, 1, curve.size)
-    # positions where the window still fits; the allowance for rounding keeps the last one
     # the central region is where the secant of 40 % has the smallest slope, the first one if several are
-    # equal
+    # equal, among positions where it still fits; the allowance for rounding keeps the last one
     count = int(np.searchsorted(ratio, 1 - _CENTRAL_WIDTH + 1e-12, side="right"))
     fall = np.interp(ratio[:count] + _CENTRAL_WIDTH, ratio, curve)
     np.subtract(curve[:count], fall, out=fall)
