@@ -34,9 +34,8 @@ def registered(later: xr.DataArray, earlier: xr.DataArray) -> tuple[np.ndarray, 
     fields = [placing.measured_rectangle(level(height)) for height in (earlier, later)]
     # the middle of the later map, which a shift up to a quarter keeps within the earlier one
     sides = _TEMPLATE * np.min([side_lengths(field) for field in fields], axis=0)
-    middle = np.array([float(fields[1][axis].mean()) for axis in "yx"])
-    template = placing.part_around(fields[1], middle, sides)
-    middle = np.array([float(template[axis].mean()) for axis in "yx"])
+    template = placing.part_around(fields[1], placing.middle_of(fields[1])[::-1], sides)
+    middle = np.array(placing.middle_of(template)[::-1])
     place, threshold = placing.best_place(template, fields[0]), _MIN_CORRELATION
     if place.uncertainty > placing.MAX_UNCERTAINTY:
         # grooves fit at several places: then the nearest one counts, if it fits well

@@ -32,7 +32,7 @@ def friendly_sides(longest: int, *, fade: float = 0.0) -> np.ndarray:
     sides = np.zeros(longest + 1, dtype=int)
     best, best_score = 0, -math.inf
     for points in range(1, longest + 1):
-        side = points if fade == 0 else _largest_side(points, fade)
+        side = _largest_side(points, fade)
         score = _side_score(side)
         if score >= best_score:
             best, best_score = side, score
