@@ -12,7 +12,7 @@ import numpy as np
 from roughcontact.kernels.choose import library_available
 from roughcontact.kernels.compiled import median_filter
 from roughcontact.surface.levelling.polynomial import fit_polynomial
-from roughcontact.surface.levelling.robust import robust_scale
+from roughcontact.surface.levelling.robust import robust_scale, row_medians
 
 _MAX_SPIKE_POINTS = 12  # a larger group is structure (a pit, a particle)
 _EXTREME_FACTOR = 10  # in units of the threshold
@@ -98,23 +98,13 @@ def _dead_rows(values: np.ndarray) -> np.ndarray:
     if has_points.sum() < _MIN_LINE_POINTS or not constant.any() or alive.size < has_points.sum() / 2:
         return result
     # a dead line is farther from its neighbours than lines usually are
-    usual = _median_distance(values[alive[1:]], values[alive[:-1]])
+    usual = row_medians(np.abs(values[alive[1:]] - values[alive[:-1]]))
     usual = np.median(usual[~np.isnan(usual)])
     for row in np.flatnonzero(constant):
         index = np.searchsorted(alive, row)
         neighbours = alive[max(index - 1, 0) : index + 1]
-        steps = _median_distance(values[neighbours], np.full(values.shape[1], low[row]))
-        if np.nanmin(steps) > usual:
+        if np.nanmin(row_medians(np.abs(values[neighbours] - low[row]))) > usual:
             result[row] = is_measured[row]
-    return result
-
-
-def _median_distance(lines: np.ndarray, neighbours: np.ndarray) -> np.ndarray:
-    """Return the median distance of each line from its counterpart; NaN without common points."""
-    difference = np.abs(lines - neighbours)
-    result = np.full(len(difference), np.nan)
-    has_values = ~np.isnan(difference).all(axis=1)
-    result[has_values] = np.nanmedian(difference[has_values], axis=1)
     return result
 
 

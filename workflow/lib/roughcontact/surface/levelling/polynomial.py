@@ -40,7 +40,6 @@ def fit_polynomial(
     del heights  # memory may not hold more than is needed of a large map
     form = basis.at_points(coefficients)
     form += reference
-    coefficients = coefficients.copy()
     coefficients[0, 0] += reference
     return form, _record(coefficients, basis, order)
 

@@ -1,4 +1,4 @@
-"""Robust statistics: scale and weights of residuals."""
+"""Robust statistics: scale and weights of residuals, medians of rows."""
 
 import numpy as np
 
@@ -39,3 +39,18 @@ def biweight(residual: np.ndarray, scale: float) -> np.ndarray:
     np.subtract(1, weights, out=weights)
     np.maximum(weights, 0, out=weights)
     return np.square(weights, out=weights)
+
+
+def row_medians(values: np.ndarray, *, empty: float = np.nan) -> np.ndarray:
+    """Return the median (ny,) of each row over its measured points; `empty` of rows without.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> row_medians(np.array([[1.0, np.nan, 3.0], [np.nan, np.nan, np.nan]]), empty=0.0)
+    array([2., 0.])
+    """
+    medians = np.full(len(values), empty)
+    has_points = ~np.isnan(values).all(axis=1)
+    medians[has_points] = np.nanmedian(values[has_points], axis=1)
+    return medians

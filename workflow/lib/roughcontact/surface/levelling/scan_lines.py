@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from roughcontact.surface.levelling.robust import robust_scale
+from roughcontact.surface.levelling.robust import robust_scale, row_medians
 
 _MAX_SCAR_ROWS = 4  # wider features are structure
 _MIN_SCAR_LENGTH = 16  # points along the line; shorter features may be spikes
@@ -23,13 +23,10 @@ def line_offsets(values: np.ndarray, *, method: str) -> np.ndarray:
     rows = np.flatnonzero((~np.isnan(values)).any(axis=1))
     offsets = np.zeros(len(values))
     if method == "median":
-        offsets[rows] = np.nanmedian(values[rows], axis=1)
+        offsets[rows] = row_medians(values[rows])
     else:
-        steps = np.diff(values[rows], axis=0)
-        has_common_points = ~np.isnan(steps).all(axis=1)
-        step = np.zeros(len(steps))
-        step[has_common_points] = np.nanmedian(steps[has_common_points], axis=1)
-        offsets[rows] = np.concatenate([[0.0], np.cumsum(step)])
+        steps = row_medians(np.diff(values[rows], axis=0), empty=0.0)
+        offsets[rows] = np.concatenate([[0.0], np.cumsum(steps)])
     offsets[rows] -= offsets[rows].mean()
     return offsets
 

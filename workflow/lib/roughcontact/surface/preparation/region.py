@@ -82,8 +82,7 @@ def _inside(height: xr.DataArray, rectangle: Rectangle, origin: str) -> xr.DataA
             f"{quantity(ly, 'm')} along y; count from its lower left corner, and check the unit"
         )
     x, y = height["x"] - height["x"][0] + dx / 2, height["y"] - height["y"][0] + dy / 2
-    inside = (x > rectangle.left) & (x < rectangle.right) & (y > rectangle.lower) & (y < rectangle.upper)
-    inside = inside.transpose("y", "x")
+    inside = (y > rectangle.lower) & (y < rectangle.upper) & (x > rectangle.left) & (x < rectangle.right)
     if not inside.any():
         raise HeightMapError(
             f"{origin}: no point lies in a rectangle; draw it larger than {quantity(dx, 'm')}"
