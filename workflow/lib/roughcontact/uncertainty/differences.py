@@ -183,9 +183,7 @@ def compare_maps(
     return _judged(results), omissions
 
 
-def _of_map(
-    name: str, data: xr.Dataset, loads: np.ndarray | None, *, of_place: bool
-) -> tuple[np.ndarray, ...]:
+def _of_map(name: str, data: xr.Dataset, loads: np.ndarray | None, of_place: bool) -> tuple[np.ndarray, ...]:
     """Return value (load), components (load, source, component), deviations of subwindows (load, member).
 
     An interval without components stands in a single source, with NaN where there is none. Of this place
@@ -376,9 +374,8 @@ def _what_decides(numbers: Mapping[str, float], of: Mapping[str, Any], relevant:
         way = ADVICE.get(cause, "measure a longer field") if of["of_place"] else _MORE_PLACES
         return f"errors that differ are up to {errors}, most by the {cause}; {way}"
     target = math.log1p(relevant)
-    missing_maps = max(
-        random_effects.maps_needed(numbers["spread"], target, pairs=of["paired"]) - of["units"], 1
-    )
+    maps = random_effects.maps_needed(numbers["spread"], target, pairs=of["paired"])
+    missing_maps = max(maps - of["units"], 1)
     count = f"more than {_MAX_MAPS}" if missing_maps > _MAX_MAPS else f"about {missing_maps}"
     nouns, group = "s" if missing_maps > 1 else "", "" if of["paired"] else " per group"
     more_maps = f"{count} more {of['noun']}{nouns}{group} needed"

@@ -318,24 +318,21 @@ class _Maps(NamedTuple):
         return effects, is_expected
 
 
-def scaled_components(
-    name: str, dataset: xr.Dataset, *, ending: str = "components", scale: str = ""
-) -> np.ndarray:
+def scaled_components(name: str, data: xr.Dataset, ending: str = "components", scale: str = "") -> np.ndarray:
     """Return the components (load, source, component) of a quantity on its scale; 0 where unknown.
 
     They are half-widths, infinite where unbounded, and shifts, a known bias among them, down and up. The
     scale may be that of another quantity, `ending` "shared" is of what the maps of a group share.
     """
-    values = dataset[name].values.astype(float)
-    if f"{name}_{ending}" not in dataset:
+    values = data[name].values.astype(float)
+    if f"{name}_{ending}" not in data:
         return np.zeros((values.size, len(SOURCES), 4))
-    columns = dataset[f"{name}_{ending}"].transpose("source", "component", "load")
+    columns = data[f"{name}_{ending}"].transpose("source", "component", "load")
     in_units = columns.values[: len(SOURCES)]  # not of what they make together
     # an unbounded half-width is NaN in the file
     sides = [np.nan_to_num(side, nan=np.inf) for side in in_units]
-    return np.stack(
-        [combination.component_from_units(scale or name, values, side) for side in sides]
-    ).transpose(2, 0, 1)
+    scaled = [combination.component_from_units(scale or name, values, side) for side in sides]
+    return np.stack(scaled).transpose(2, 0, 1)
 
 
 def check_alike(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:

@@ -37,15 +37,13 @@ _OVERVIEW = "measure an overview, a field three times as long at a quarter of th
 _LONGER_FIELD = "measure a field 3 times as long"
 
 
-def half_width_of_mean(
-    of_windows: Sequence[float], maps: int, shared_error: float, name: str = AREA
-) -> float:
+def half_width_of_mean(windows: Sequence[float], maps: int, shared_error: float, name: str = AREA) -> float:
     """Return the median relative half-width of the mean of so many maps, as a group of them will have.
 
-    `of_windows` are the relative half-widths of the source `window` of one map, and of one elsewhere;
+    `windows` are the relative half-widths of the source `window` of one map, and of one elsewhere;
     `shared_error` is that of what all maps share.
     """
-    of_map, elsewhere = of_windows
+    of_map, elsewhere = windows
     scatter, expected = scatter_between_maps(name, (of_map + (maps - 1) * elsewhere) / maps)
     measured = maps - 1.0
     square = 2 * scipy.special.gammaincinv(measured / 2, 0.5)  # median of chi-square
@@ -54,13 +52,10 @@ def half_width_of_mean(
     return math.hypot(float(factor * np.sqrt(variance / maps)), shared_error)
 
 
-def maps_for(
-    half_width: float, of_windows: Sequence[float], shared_error: float, name: str = AREA
-) -> int | None:
+def maps_for(target: float, windows: Sequence[float], shared_error: float, name: str = AREA) -> int | None:
     """Return how many maps in all have a mean of this relative half-width; None for more than a hundred."""
-    counts = range(2, _MAX_MAPS + 1)
-    widths = ((n, half_width_of_mean(of_windows, n, shared_error, name)) for n in counts)
-    return next((n for n, width in widths if width <= half_width), None)
+    widths = ((n, half_width_of_mean(windows, n, shared_error, name)) for n in range(2, _MAX_MAPS + 1))
+    return next((n for n, width in widths if width <= target), None)
 
 
 def planning_line(statistics: xr.Dataset) -> str:

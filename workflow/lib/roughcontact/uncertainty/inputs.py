@@ -161,10 +161,8 @@ def effect(
     (low, lower), (high, upper) = ((change, values[name]) for change, values in bounds)
     changes = np.stack([lower - value, upper - value, np.zeros(value.shape)])
     # an end that could not be solved bounds nothing
-    is_unsolved = np.isnan(changes).any(axis=0) & ~np.isnan(value)
-    below, above = (
-        np.where(is_unsolved, np.inf, side) for side in (-changes.min(axis=0), changes.max(axis=0))
-    )
+    unsolved = np.isnan(changes).any(axis=0) & ~np.isnan(value)
+    below, above = (np.where(unsolved, np.inf, side) for side in (-changes.min(axis=0), changes.max(axis=0)))
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = np.log(upper / lower) / (high - low)
     return below, above, np.where(np.isfinite(slope), slope, np.nan)
