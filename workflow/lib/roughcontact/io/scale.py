@@ -40,8 +40,7 @@ def decide_scale(channel: Channel, request: Request) -> tuple[tuple[float, float
     notes: list[str] = []
     dx, dy = _steps(channel, request, notes)
     # the width of a profile is never used; a step along y keeps its array like that of a map
-    if channel.is_line and dy is None:
-        dy = dx
+    dy = dx if channel.is_line and dy is None else dy
     if dx is None or dy is None or _is_half_stated(channel, request):
         raise _missing_steps(channel, request)
     if not (_SHORTEST < dx < 1 / _SHORTEST and _SHORTEST < dy < 1 / _SHORTEST):

@@ -185,9 +185,7 @@ def _channel(info: Any, file_format: Format) -> Channel:
     if not topography.is_uniform:
         uneven = "the positions along x are not evenly spaced"
         return scattered(channel, topography.positions(), None, values, uneven)
-    heights = as_heights(values)
-    if topography.dim == 2:
-        heights = heights.T
+    heights = as_heights(values.T if topography.dim == 2 else values)
     header = _header(info)
     rules = file_format.rules
     heights[rules.not_measured(header, heights)] = np.nan

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from roughcontact.io.channels import MeasuredFile
-from roughcontact.io.guards import ARCHIVE_ERRORS, MAX_POINTS, check_points, refusing
+from roughcontact.io.guards import ARCHIVE_ERRORS, MAX_POINTS, refuse_more, refusing
 from roughcontact.io.instruments.containers import list_sheets
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.readers import text
@@ -33,8 +33,7 @@ def read(path: Path) -> MeasuredFile:
         sheet.reset_dimensions()  # which a file may state far too large
         for row in sheet.iter_rows(values_only=True):
             cells += len(row)
-            if cells > MAX_POINTS:
-                check_points((1, cells))
+            refuse_more(f"{cells} cells", cells, MAX_POINTS)
             line = "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in row)
             if line or not lines or lines[-1]:  # a cell far below is no million of lines
                 lines.append(line)

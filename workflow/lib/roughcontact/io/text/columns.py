@@ -117,8 +117,7 @@ def layout(columns: Sequence[Column]) -> list[list[int]]:
     """
     data = [index for index, column in enumerate(columns) if column.role not in ("index", "valid")]
     x, y = ([index for index in data if columns[index].role == axis] for axis in "xy")
-    if y and not x:  # a profile along y
-        x, y = y, x
+    x, y = (y, x) if y and not x else (x, y)  # a profile along y
     if len(x) == len(data) == 2 or (len(x) == len(y) == 1 and len(data) == 2):
         return [x + y]  # a sensor above a stage, "position, distance"; "X (µm), y1"
     if len(x) == 1 and len(y) <= 1:

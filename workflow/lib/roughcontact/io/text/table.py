@@ -532,8 +532,7 @@ def _no_row(cell: str, number: int) -> InputFileError:
     """Return the error for a line that is no row of a table, with the cell or line that is no number."""
     way_out = "write NaN for a missing point, leave the table alone in the file, below lines of words, or "
     way_out += "export the map as X3P or SDF"
-    if re.search(r"\d[.,'\s]\d{3}(?!\d)", cell):
-        way_out = WITHOUT_THOUSANDS
+    way_out = WITHOUT_THOUSANDS if re.search(r"\d[.,'\s]\d{3}(?!\d)", cell) else way_out
     return InputFileError(f"line {number} is no row of numbers ({brief(ValueError(cell))}); {way_out}")
 
 
