@@ -11,14 +11,16 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-# attributes whose text is JSON, and the kind of their content: of a map, then of statistics, of one surface
-# or by case and surface
-_STRUCTURED: dict[str, type] = {
+# attributes of statistics whose text is JSON, and its kind for one surface; by case it is an object
+_OF_STATISTICS: dict[str, type] = {
+    **dict.fromkeys(("settings", "versions", "bands", "verdicts", "temperatures"), dict),
+    **dict.fromkeys(("reasons", "remarks", "left_out", "failed", "bodies"), list),
+}
+# those of a map as well
+_STRUCTURED: dict[str, type] = _OF_STATISTICS | {
     **dict.fromkeys(("instrument", "ingest_spikes", "ingest_sources"), dict),
     **dict.fromkeys(("form_removed", "outlier_kinds", "filters_removed", "profile_spectra"), dict),
     **dict.fromkeys(("channels", "ingest_warnings", "ingest_facts", "profile_warnings"), list),
-    **dict.fromkeys(("settings", "versions", "bands", "verdicts", "temperatures"), dict),
-    **dict.fromkeys(("reasons", "remarks", "left_out", "failed", "bodies"), list),
 }
 _INSTRUMENT = "instrument_"  # begins what the table of surfaces, or the settings, say of the instrument
 # attribute of a file -> those of the map that it holds, by a pattern of their names
@@ -93,8 +95,9 @@ def json_attribute(attrs: Mapping[Any, Any], name: str) -> Any:
     >>> json_attribute({"verdicts": '[["use", []]]'}, "verdicts")  # of one surface; of several an object
     [['use', []]]
     """
-    content = json.loads(attrs.get(name) or "null")
-    return content if isinstance(content, dict | list) else _STRUCTURED[name]()
+    content, kind = json.loads(attrs.get(name) or "null"), _STRUCTURED[name]
+    is_known = isinstance(content, dict | list if name in _OF_STATISTICS else kind)
+    return content if is_known else kind()  # of another program
 
 
 def json_attributes(contents: Mapping[str, Any]) -> dict[str, str]:
