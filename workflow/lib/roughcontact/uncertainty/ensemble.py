@@ -93,10 +93,9 @@ class Result(NamedTuple):
 
     def again_by_part(self, part: xr.DataArray, before: Values) -> dict[str, np.ndarray]:
         """Return the results of a changed window (load) by those of a part of it, and of that `before`."""
-        changes = self.changes_of_part(before, self.again(part))
+        changes = self.changes_of_part(before, self.again(part)).items()
         return {
-            name: from_scale(name, to_scale(name, value) + changes[name])
-            for name, value in self.values.items()
+            name: from_scale(name, to_scale(name, self.values[name]) + change) for name, change in changes
         }
 
     def changes(self, results: Values) -> dict[str, np.ndarray]:
