@@ -245,6 +245,20 @@ def leaks_of_seal(
     """Return the leak rates of the loads (m2/s), and of the seal what does not depend on the load.
 
     That is the pressure of the fluid, and the leak rate of smooth plates over their gap cubed, without slip.
+
+    Parameters
+    ----------
+    columns : mapping
+        `mean_gap` (m), flow factors and critical constrictions of the loads.
+    seal : mapping
+        as for `contact_statistics`.
+
+    Returns
+    -------
+    leaks : dict
+        `leak_rate_x`, `leak_rate_y` (load), m2/s.
+    numbers : dict
+        `fluid_pressure` (Pa), `leak_rate_by_cube` (1/(m s)).
     """
     from roughcontact.statistics.sealing.flow import leak_columns
 

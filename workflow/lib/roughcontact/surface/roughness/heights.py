@@ -109,7 +109,17 @@ def _excess(squares: np.ndarray) -> np.ndarray:
 
 
 def record_summit(height: xr.DataArray) -> xr.DataArray:
-    """Return a map (y, x; m) that tells by its attributes which heights these describe."""
+    """Return a map (y, x; m) that tells by its attributes which heights these describe.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+
+    Returns
+    -------
+    DataArray
+        the same heights.
+    """
     return height.assign_attrs({_SUMMIT: _summit(height)})
 
 
@@ -118,6 +128,15 @@ def renew_parameters(height: xr.DataArray) -> xr.DataArray:
 
     Arithmetic, filters and selections keep those of another map: they are computed again, and the row jitter,
     which only levelling knows, is left out.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+
+    Returns
+    -------
+    DataArray
+        the same heights.
     """
     if math.isclose(height.attrs.get(_SUMMIT, math.nan), _summit(height), rel_tol=_SAME):
         return height
@@ -125,7 +144,17 @@ def renew_parameters(height: xr.DataArray) -> xr.DataArray:
 
 
 def own_parameters(height: xr.DataArray) -> xr.DataArray:
-    """Return a map (y, x; m) with its own height parameters, where others describe what it was cut from."""
+    """Return a map (y, x; m) with its own height parameters, where others describe what it was cut from.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+
+    Returns
+    -------
+    DataArray
+        the same heights.
+    """
     points = height.where(height["filled"] == 0) if "filled" in height.coords else height
     result = height.copy(deep=False)
     result.attrs = {name: value for name, value in height.attrs.items() if name != "row_jitter"}
