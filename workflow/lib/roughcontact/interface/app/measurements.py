@@ -4,12 +4,13 @@ import base64
 import hashlib
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import AsyncIterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import lru_cache
 from itertools import chain, count
 from math import ceil
 from pathlib import Path, PurePosixPath
+from secrets import token_hex
 from threading import Lock
 from typing import Any
 
@@ -21,12 +22,11 @@ from roughcontact.errors import SettingsError
 from roughcontact.interface.app.study import Row, check_within_study, error_in_words
 from roughcontact.interface.command_line.describe import field_in_words, inspection, points_in_words
 from roughcontact.interface.command_line.project import collect_files, rows_of
-from roughcontact.io.guards import naming
+from roughcontact.io.guards import naming, sha256
 from roughcontact.io.inspection import inspect_heights
 from roughcontact.io.read import read_height_map
 from roughcontact.io.request import FILE_OPTIONS, Request
 from roughcontact.report.colours import coloured
-from roughcontact.results.storage import atomic_write
 from roughcontact.study.places import find_file
 
 MEASURED = Path("measured")  # where dropped files go
@@ -148,17 +148,24 @@ def further(paths: Sequence[str], rows: Sequence[Row]) -> tuple[list[Row], str]:
     return new, f"{len(new)} added{known}{left_out}"
 
 
-def save_upload(name: str, content: bytes) -> str:
+async def save_upload(name: str, content: AsyncIterable[bytes]) -> str:
     """Write a file that was dropped, unless it is there, and return its path; namesakes have numbers."""
     path = MEASURED / PurePosixPath(name.replace("\\", "/")).name
     if "\0" in name or path in (MEASURED, MEASURED / ".."):
         raise SettingsError(f"{name!r} names no file: rename it")
     check_within_study(path)
-    for target in chain([path], (path.with_stem(f"{path.stem}-{number}") for number in count(2))):
-        if target.is_file() and target.read_bytes() == content:
-            break
-        if not os.path.lexists(target):
-            with atomic_write(target, size=len(content)) as partial:
-                partial.write_bytes(content)
-            break
+    MEASURED.mkdir(exist_ok=True)
+    partial = MEASURED / f".{token_hex(8)}.partial"
+    try:
+        with partial.open("xb") as file:
+            async for chunk in content:  # files may be larger than the memory
+                file.write(chunk)
+        for target in chain([path], (path.with_stem(f"{path.stem}-{number}") for number in count(2))):
+            if not os.path.lexists(target):
+                partial.rename(target)
+                break
+            if target.is_file() and sha256(target) == sha256(partial):
+                break
+    finally:
+        partial.unlink(missing_ok=True)
     return str(target)

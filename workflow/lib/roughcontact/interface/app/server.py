@@ -63,10 +63,9 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         action, query = request.path_params["action"], request.query_params
         if query.get("page") != page.name:
             raise SettingsError("This study was opened in another page: reload this one to use it here")
-        body = await request.body()
         if action == "drop":
-            return PlainTextResponse(save_upload(query.get("name", ""), body))
-        form = dict(parse_qsl(body.decode(), keep_blank_values=True))
+            return PlainTextResponse(await save_upload(query.get("name", ""), request.stream()))
+        form = dict(parse_qsl((await request.body()).decode(), keep_blank_values=True))
         page.is_open = action != "leave"
         async with one_by_one:  # a page that is left sends what was typed last, if anything
             text = await run_in_threadpool(page.after, action, form) if page.is_open or form else ""

@@ -37,7 +37,6 @@ _HEAD = "# written by the page of roughcontact, see config/README.md"
 _JOB = re.compile(rf"{re.escape(_HEAD)}; asked: (\w+)\n")
 _BACKUP = ".before-page"  # ends the name of a file that the page has not written and writes over
 _STYLE: dict[str, Any] = {"sort_keys": False, "allow_unicode": True, "width": 100, "default_flow_style": None}
-_ONE_LINE = _STYLE | {"default_flow_style": True, "width": 10**9}
 Row = dict[str, str]
 
 
@@ -83,7 +82,7 @@ def read_folder() -> tuple[dict[str, Any], list[Row], str]:
         if not isinstance(config.get("surfaces", ""), str) or {"rows", "page"} & config.keys():
             resolve(values, origin=str(CONFIG))
         if cases := values.get("cases"):
-            config["cases"] = yaml.safe_dump(cases, **_ONE_LINE).partition("\n")[0]
+            config["cases"] = yaml.safe_dump(cases, **_STYLE)
     table = _table(config)
     header, rows = read_table(table) if table.is_file() else ([], [])
     if "." in "".join(header) or TICKED in header or len(header) > len({*header}):  # no fields of the form
@@ -112,7 +111,7 @@ def check_within_study(*paths: Path) -> None:
 
 
 def _values(texts: Mapping[str, str]) -> dict[str, Any]:
-    """Return the values of fields by their names, texts as they were typed."""
+    """Return the values of fields by their names, of a list under one, texts as they were typed."""
     values: dict[str, Any] = {}
     for name, text in ((name, text.strip()) for name, text in texts.items() if text.strip()):
         field = field_at(name.split("."))
@@ -123,7 +122,8 @@ def _values(texts: Mapping[str, str]) -> dict[str, Any]:
         elif field and is_list(field.annotation) and not section_model(field):
             # a comma between digits is a decimal one, which the settings refuse
             entries = re.split(r",(?!\d)|(?<!\d),", text.strip("[]"))
-            values[name] = [_Typed(entry.strip()) for entry in entries if entry.strip()]
+            listed = values.setdefault(re.sub(r"\.\d+$", "", name), [])
+            listed.extend(_Typed(entry.strip()) for entry in entries if entry.strip())
         else:
             values[name] = _Typed(text) if field and field.annotation not in (str, str | None) else text
     return values
