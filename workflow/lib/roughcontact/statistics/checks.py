@@ -21,6 +21,7 @@ from roughcontact.statistics import contact_checks, instrument_checks, map_check
 from roughcontact.statistics.contact_checks import CONTACT_POINTS, OVERCOUNT, overcount
 from roughcontact.statistics.map_checks import FILLED_IN_CONTACT, REJECTED_LOAD, Attributes
 from roughcontact.statistics.outcome import Check
+from roughcontact.statistics.selected_loads import SelectedLoads, Statistics
 
 # what a check puts in doubt, where that is not every answer
 _SHORT_WAVES = ("relative_contact_area", "mean_contact_pressure", "yield", "max_pressure", "conductance")
@@ -53,7 +54,7 @@ _OMITTED: dict[str, Sequence[str]] = {
 
 
 def surface_checks(
-    statistics: xr.Dataset, *, height: Attributes, levelled: Attributes, window: Attributes, points: int
+    statistics: Statistics, *, height: Attributes, levelled: Attributes, window: Attributes, points: int
 ) -> list[Check]:
     """Return the checks of one surface under one case, in the order of the report.
 
@@ -112,7 +113,7 @@ def surface_checks(
     ]
 
 
-def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
+def _noted(check: Check, statistics: Statistics, window: Attributes) -> Check:
     """Return a warning as a note where the interval includes what it says, or the settings ask for it."""
     is_beyond = _BEYOND_THE_INTERVAL.get(check.name)
     if check.outcome != outcome.REVIEW or (is_beyond and is_beyond(window)):
@@ -120,7 +121,7 @@ def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
     note = check._replace(outcome=outcome.NOTE)
     budget = statistics.get("relative_contact_area_uncertainty")
     if budget is not None:
-        of_check = [check.name in _IN_THE_INTERVAL.get(source, ()) for source in budget["source"].values]
+        of_check = [check.name in _IN_THE_INTERVAL.get(source, ()) for source in statistics["source"].values]
         # an interval without an end includes nothing
         if any(of_check) and np.isfinite(budget[:, of_check]).all():
             return note._replace(advice=f"{check.advice} The ± includes it.".lstrip())
@@ -161,7 +162,7 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
     return flags
 
 
-def window_checks(statistics: xr.Dataset, window: xr.DataArray) -> list[Check]:
+def window_checks(statistics: Statistics, window: xr.DataArray) -> list[Check]:
     """Return the checks (`surface_checks`) of a window that has the attributes of the maps it comes from.
 
     Parameters
@@ -200,8 +201,8 @@ def add_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     """
     # each load by itself for its verdict, all together for the sentences
     loads = range(statistics.sizes["load"])
-    by_load = [window_checks(statistics.isel(load=[load]), window) for load in loads]
-    together = window_checks(statistics, window)
+    by_load = [window_checks(SelectedLoads(statistics, [load]), window) for load in loads]
+    together = window_checks(SelectedLoads(statistics, [*loads]), window)
     grades = list(outcome.VERDICTS)
     words = [outcome.VERDICTS[outcome.worst_result(checks)] for checks in by_load]
     texts = [[outcome.reason_text(check) for check in outcome.not_passed(checks)] for checks in by_load]

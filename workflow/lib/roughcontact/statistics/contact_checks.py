@@ -16,6 +16,7 @@ from roughcontact.statistics.decisions import is_lifted
 from roughcontact.statistics.kinds import load_in_words, unit_of_pressures
 from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
 from roughcontact.statistics.sealing.gas import MIN_INVERSE_KNUDSEN, path_at_mean_pressure
+from roughcontact.statistics.selected_loads import Statistics
 
 CONTACT_POINTS = 100  # fewer contact points are too few for statistics
 LAYER_PIXELS = 4  # thickness from which the contact of a pixel is that of a half-space
@@ -29,7 +30,7 @@ _ROUGHNESS_OF_FORM = 0.05  # rms height over Hertz's approach
 OVERCOUNT = 0.2  # excess of the counted over the corrected area: patches are a few pixels across
 
 
-def convergence(statistics: xr.Dataset) -> Check:
+def convergence(statistics: Statistics) -> Check:
     """Check that every load reached the tolerance of the solver.
 
     Examples
@@ -50,7 +51,7 @@ def convergence(statistics: xr.Dataset) -> Check:
     return passed(f"All loads converged: error bound at most {bound}, tolerance {tolerance}.")
 
 
-def contact_points(statistics: xr.Dataset, points: int) -> Check:
+def contact_points(statistics: Statistics, points: int) -> Check:
     """Check that more than a handful of the `points` of the window are in contact at every load."""
     # whole numbers again, after the share was rounded
     counts = np.rint(statistics["relative_contact_area_pixels"].values * points).astype(int)
@@ -81,7 +82,7 @@ def overcount(statistics: Numbers) -> np.ndarray:
     return np.where(touching, pixel_area / np.where(touching, corrected_area, 1.0) - 1, np.inf)
 
 
-def resolution(statistics: xr.Dataset) -> Check:
+def resolution(statistics: Statistics) -> Check:
     """Check that the contact patches are more than a few points across."""
     resolution = float(statistics["points_per_shortest_wavelength"][0])
     if np.isnan(resolution):
@@ -100,7 +101,7 @@ def resolution(statistics: xr.Dataset) -> Check:
     return passed(f"Counting points overstates the area by at most {most}; this is corrected. {waves}")
 
 
-def plasticity(statistics: xr.Dataset) -> Check:
+def plasticity(statistics: Statistics) -> Check:
     """Check that no point carries the hardness, or that pressures are below the strength of their class.
 
     The plasticity index E* g / H is mostly elastic below 0.3, mostly plastic above 3 (Mikić 1974, Int. J.
@@ -110,7 +111,7 @@ def plasticity(statistics: xr.Dataset) -> Check:
     return _hardness_check(statistics) if "hardness" in statistics else _check_by_classes(statistics)
 
 
-def _hardness_check(statistics: xr.Dataset) -> Check:
+def _hardness_check(statistics: Statistics) -> Check:
     """Return the check of the pressure against the hardness that limits it."""
     hardness, modulus = (float(statistics[name]) for name in ("hardness", "contact_modulus"))
     load_share, area_share = (statistics[f"{name}_share_above_hardness"].values for name in ("load", "area"))
@@ -134,7 +135,7 @@ def _hardness_check(statistics: xr.Dataset) -> Check:
     )
 
 
-def _check_by_classes(statistics: xr.Dataset) -> Check:
+def _check_by_classes(statistics: Statistics) -> Check:
     """Return the check of the pressure where no hardness is stated, by classes of materials."""
     modulus, (mean, largest) = float(statistics["contact_modulus"]), _over_modulus(statistics)
     beyond_materials, flowing = mean > materials.MAX_HARDNESS, _metals_flow(mean, largest)
@@ -205,7 +206,7 @@ def _metals_flow(mean: np.ndarray, largest: np.ndarray) -> np.ndarray:
     return (mean > materials.METALS[0]) | (largest > materials.METALS[1])
 
 
-def layers(statistics: xr.Dataset, points: int) -> Check | None:
+def layers(statistics: Statistics, points: int) -> Check | None:
     """Check that layers are not thinner than the grid can tell, nor thicker than the window; none: no check.
 
     Examples
@@ -247,7 +248,7 @@ def layers(statistics: xr.Dataset, points: int) -> Check | None:
     )
 
 
-def local_scale(statistics: xr.Dataset) -> Check | None:
+def local_scale(statistics: Statistics) -> Check | None:
     """Check that the rms height is below 0.05 of the approach of a form (Johnson 1985, section 13.5)."""
     if "local_contact_area" not in statistics:
         return None
@@ -270,7 +271,7 @@ def local_scale(statistics: xr.Dataset) -> Check | None:
     return review(text, advice="Solve a map that is larger than the contact, with boundary: free.")
 
 
-def units(statistics: xr.Dataset) -> Check:
+def units(statistics: Statistics) -> Check:
     """Check that modulus and loads are those of real materials: else a unit is likely to be wrong."""
     modulus, loads = float(statistics["contact_modulus"]), statistics["mean_pressure"].values
     # a problem in units of its own, which cannot be checked
@@ -292,7 +293,7 @@ def units(statistics: xr.Dataset) -> Check:
     return passed(f"{description} and loads of {span} are those of real materials.")
 
 
-def _friction_doubt(statistics: xr.Dataset) -> str:
+def _friction_doubt(statistics: Statistics) -> str:
     """Return in a sentence that friction or its warmth is that of no solid, empty if neither is."""
     for name, limit, text in (
         ("friction_coefficient", materials.MAX_FRICTION, "The coefficient of friction by the area is {}"),
@@ -303,7 +304,7 @@ def _friction_doubt(statistics: xr.Dataset) -> str:
     return ""
 
 
-def _temperature_doubt(statistics: xr.Dataset) -> str:
+def _temperature_doubt(statistics: Statistics) -> str:
     """Return in a sentence that a named material is beyond its range of temperatures, empty if none is."""
     names = [name for name in ("max_flash_temperature", "temperature_drop") if name in statistics]
     rise = max((float(statistics[name].max()) for name in names), default=0.0)
@@ -324,7 +325,7 @@ def _temperature_doubt(statistics: xr.Dataset) -> str:
     return ""
 
 
-def _loads(mask: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
+def _loads(mask: np.ndarray | xr.DataArray, statistics: Statistics) -> str:
     """Return the loads concerned, as the beginning of a sentence."""
     pressures, unit = statistics["mean_pressure"].values, unit_of_pressures(statistics)
     chosen = pressures[np.asarray(mask)]
@@ -336,7 +337,7 @@ def _loads(mask: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
 
 
 @np.errstate(invalid="ignore")  # full contact has no constriction
-def mean_free_path(statistics: xr.Dataset) -> Check | None:
+def mean_free_path(statistics: Statistics) -> Check | None:
     """Check that the spots that conduct a current are larger than the mean free path of the electrons.
 
     They count as round ones with the same ratio of Sharvin's resistance to that of the constriction. None of
@@ -364,7 +365,7 @@ def mean_free_path(statistics: xr.Dataset) -> Check | None:
     return review(f"{text} and is not in the ±.", advice="Add it.")
 
 
-def fluid(statistics: xr.Dataset) -> Check | None:
+def fluid(statistics: Statistics) -> Check | None:
     """Check that a sealed fluid presses less than the bodies, and that its flow is known; none: no seal.
 
     Examples
@@ -395,7 +396,7 @@ def fluid(statistics: xr.Dataset) -> Check | None:
     )
 
 
-def _slip(statistics: xr.Dataset, text: str) -> Check:
+def _slip(statistics: Statistics, text: str) -> Check:
     """Return the check that the slip of a gas is known, by its mean free path over the narrowest place."""
     names = [f"critical_constriction_{axis}" for axis in "xy"]
     # where it is closed no gas flows
@@ -413,7 +414,7 @@ def _slip(statistics: xr.Dataset, text: str) -> Check:
     return review(f"{text}, beyond what is known of its flow; it leaks more.", ("sealing",))
 
 
-def load_range(statistics: xr.Dataset) -> Check:
+def load_range(statistics: Statistics) -> Check:
     """Check that not all loads are in full contact.
 
     Examples

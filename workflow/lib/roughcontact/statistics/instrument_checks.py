@@ -16,6 +16,7 @@ from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.io.instrument_kinds import PROBE, UNKNOWN, Kind, of_name
 from roughcontact.statistics.map_checks import Attributes
 from roughcontact.statistics.outcome import Check, not_made, passed, review
+from roughcontact.statistics.selected_loads import Statistics
 from roughcontact.surface.levelling.record import s_index
 from roughcontact.surface.roughness.traces import MAX_GRADIENT
 from roughcontact.surface.window.band import is_limited_by_grid, shortest_reliable_wave
@@ -143,7 +144,7 @@ def _removed_below(window: Attributes) -> float:
     return float(np.sqrt(2) * max(limits))
 
 
-def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
+def isolated_peak(statistics: Statistics, window: Attributes) -> Check:
     """Check that no single summit stands far above all others and carries a pressure far above the mean."""
     if "summit_chance" not in window:
         return not_made("the map has no summit.")

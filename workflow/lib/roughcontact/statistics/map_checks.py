@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from roughcontact.arguments.checking import MAX_GRADIENT
 from roughcontact.arguments.kinds import facts_of
@@ -15,6 +14,7 @@ from roughcontact.arguments.lays import lay_facts
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
 from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
+from roughcontact.statistics.selected_loads import Statistics
 from roughcontact.surface.levelling.record import rejected_by_kind
 
 FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points not measured: review, fail
@@ -39,7 +39,7 @@ STEEP = (0.3, 0.6)  # rms gradient: small-slope elasticity is an approximation, 
 Attributes = Mapping[str, Any]
 
 
-def missing_points(statistics: xr.Dataset, height: Attributes, attrs: Attributes) -> Check:
+def missing_points(statistics: Statistics, height: Attributes, attrs: Attributes) -> Check:
     """Check that hardly any contact lies on points that were not measured."""
     missing, fill = height.get("missing_share", 0.0), attrs.get("filled_share", 0.0)
     removals = attrs.get("outliers_rejected", 0)
@@ -59,7 +59,7 @@ def missing_points(statistics: xr.Dataset, height: Attributes, attrs: Attributes
     )
 
 
-def outliers(statistics: xr.Dataset, attrs: Attributes) -> Check:
+def outliers(statistics: Statistics, attrs: Attributes) -> Check:
     """Check that hardly any load would lie on rejected points, by `rejected_load_share`.
 
     Examples
@@ -91,7 +91,7 @@ def outliers(statistics: xr.Dataset, attrs: Attributes) -> Check:
     )
 
 
-def scan_lines(attrs: Attributes, statistics: xr.Dataset | None = None) -> Check:
+def scan_lines(attrs: Attributes, statistics: Statistics | None = None) -> Check:
     """Check that rows are not shifted against one another, which a lay along them hides, or were aligned."""
     jitter, evidence = percent(attrs.get("row_jitter", 0.0)), attrs.get("row_jitter_evidence", "none")
     alignment = attrs.get("line_alignment", "none")
@@ -120,7 +120,7 @@ def scan_lines(attrs: Attributes, statistics: xr.Dataset | None = None) -> Check
     return review(f"{text}.", advice="Compare without that (level.line_alignment: none).")
 
 
-def _lay_along_rows(statistics: xr.Dataset) -> bool:
+def _lay_along_rows(statistics: Statistics) -> bool:
     """Return whether the strongest waves run from row to row, and the map has a lay."""
     isotropy, direction = (float(statistics.get(name, np.nan)) for name in ("Str", "Std"))
     # Std of 90 degrees: strongest waves along y, ridges along x
@@ -235,7 +235,7 @@ def faces(attrs: Attributes, window: Attributes) -> Check | None:
     return passed(f"{pixels}, and {percent(share)} of the larger one is solved.")
 
 
-def longest_wave(statistics: xr.Dataset) -> Check:
+def longest_wave(statistics: Statistics) -> Check:
     """Check that the window holds the longest waves of the surface."""
     length = float(statistics["Sal"])
     if np.isnan(length):
@@ -252,7 +252,7 @@ def longest_wave(statistics: xr.Dataset) -> Check:
     )
 
 
-def sample(statistics: xr.Dataset) -> Check:
+def sample(statistics: Statistics) -> Check:
     """Check by `window_flag` of `with_uncertainty` that the map shows how far results hold beyond it.
 
     Examples
@@ -269,7 +269,7 @@ def sample(statistics: xr.Dataset) -> Check:
     return passed("The map gives no sign that the surface beyond it differs: see the sources of the ±.")
 
 
-def lay(statistics: xr.Dataset, window: Attributes) -> Check | None:
+def lay(statistics: Statistics, window: Attributes) -> Check | None:
     """Check that it is stated of a profile whether it is one of ridges or of an isotropic surface."""
     if warnings := json_attribute(window, "profile_warnings"):
         return review(" ".join(warnings))
@@ -313,7 +313,7 @@ def band(window: Attributes) -> Check:
     )
 
 
-def slope(statistics: xr.Dataset) -> Check:
+def slope(statistics: Statistics) -> Check:
     """Check that the slopes are small, as the half-space theory assumes.
 
     Examples
