@@ -78,9 +78,11 @@ def _checked(body: Mapping[str, Any], where: str) -> dict[str, Any]:
     complete_body = {**body, **({} if base == "rigid" else _material(body, where))}
     complete_body["layers"] = []
     for number, layer in enumerate(layers):
-        place = f"{where}.layers[{number}]"
-        thickness = check_positive(f"{place}.thickness", _stated(layer, "thickness", place, " (m)"), unit="m")
-        complete_body["layers"].append({**layer, "thickness": thickness, **_material(layer, place)})
+        layer_key = f"{where}.layers[{number}]"
+        thickness = check_positive(
+            f"{layer_key}.thickness", _stated(layer, "thickness", layer_key, " (m)"), unit="m"
+        )
+        complete_body["layers"].append({**layer, "thickness": thickness, **_material(layer, layer_key)})
     return complete_body
 
 

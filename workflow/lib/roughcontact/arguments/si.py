@@ -162,8 +162,12 @@ def labelled_in_si(map_or_dataset: _Labelled) -> _Labelled:
     """
     if isinstance(map_or_dataset, xr.DataArray):
         dataset = map_or_dataset.to_dataset(name=_HEIGHTS)
-        converted = _dataset_in_si(dataset, map_or_dataset.attrs)
-        return map_or_dataset if converted is dataset else converted[_HEIGHTS].rename(map_or_dataset.name)
+        converted_dataset = _dataset_in_si(dataset, map_or_dataset.attrs)
+        return (
+            map_or_dataset
+            if converted_dataset is dataset
+            else converted_dataset[_HEIGHTS].rename(map_or_dataset.name)
+        )
     return _dataset_in_si(map_or_dataset, map_or_dataset.attrs)
 
 

@@ -317,10 +317,10 @@ def contact_from(
     problem = nondimensionalise(height, threads=threads)
     guess = None if start is None else start / unit_of_pressure(problem, material.modulus)
     options: dict[str, Any] = {"tolerance": tolerance, "zero_frequency": zero_frequency}
-    found = next(periodic_solutions(problem, [load], material, start=guess, threads=threads, **options))
+    solution = next(periodic_solutions(problem, [load], material, start=guess, threads=threads, **options))
     loads = {"mean_pressure": load}
     return load_result(
-        *found, problem=problem, window=height, loads=loads, elasticity=material, attrs=options
+        *solution, problem=problem, window=height, loads=loads, elasticity=material, attrs=options
     )
 
 

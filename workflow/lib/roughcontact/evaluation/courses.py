@@ -126,9 +126,11 @@ def slid_in_a_run(
         causes += causes_of_places(window, coarse, SLID, levelled, overviews)
     slid = with_ends(slid, causes)
     if BY_AREA in slid:
-        by_area = [slid[BY_AREA] * (slid[f"{AREA}{end}"] / slid[AREA]) for end in ENDS]
+        by_area = [slid[BY_AREA] * (slid[f"{AREA}{suffix}"] / slid[AREA]) for suffix in ENDS]
         bounds = widened(by_area, ends(1.0, friction.get("shear_strength_uncertainty")))
-        slid = slid.assign({f"{BY_AREA}{end}": bound for end, bound in zip(ENDS[1:], bounds, strict=True)})
+        slid = slid.assign(
+            {f"{BY_AREA}{suffix}": bound for suffix, bound in zip(ENDS[1:], bounds, strict=True)}
+        )
     return describe(slid)
 
 
@@ -136,8 +138,8 @@ def with_ends(course: xr.Dataset, causes: Iterable[Components]) -> xr.Dataset:
     """Return a course with both ends of its answers, by the independent causes of their ±."""
     for name, total in combination.sum_of_causes(causes).items():
         bounds = combination.interval_bounds(name, to_scale(name, course[name].values), total)
-        for end, bound in zip(ENDS[1:], bounds, strict=True):
-            course = course.assign({f"{name}{end}": (course[name].dims, bound)})
+        for suffix, bound in zip(ENDS[1:], bounds, strict=True):
+            course = course.assign({f"{name}{suffix}": (course[name].dims, bound)})
     return course
 
 
@@ -150,8 +152,8 @@ def levelled_parts(window: xr.DataArray) -> list[xr.DataArray]:
 
 def on_scales(course: xr.Dataset, names: Iterable[str]) -> xr.Dataset:
     """Return answers of a course, each on its scale; NaN for closed gaps and infinite conductances."""
-    scaled = course[[*names]].map(lambda answer: to_scale(answer.name, answer.values))
-    return scaled.where(np.isfinite(scaled))
+    scaled_course = course[[*names]].map(lambda answer: to_scale(answer.name, answer.values))
+    return scaled_course.where(np.isfinite(scaled_course))
 
 
 def components_of(form: Callable[[np.ndarray], Component], changes: xr.Dataset) -> Components:
@@ -195,7 +197,7 @@ def causes_of_parts(
     """
     parts = levelled_parts(window)
     part, instrument = parts[0], stated_instrument(window, settings["instrument"])
-    courses = [run(each) for each in parts]
+    courses = [run(piece) for piece in parts]
     on_parts = [on_scales(course, names) for course in courses]
     causes = [components_of(symmetric, 2 * abs(on_scales(run(refined(part, 2)), names) - on_parts[0]))]
     if len(parts) > 1:
@@ -237,8 +239,11 @@ def causes_of_places(
     """
     fine = measured_rectangle(levelled)
     overview = max(overviews, key=lambda field: math.prod(side_lengths(field)))
-    own, _ = own_place(fine, overview, overviews)
-    pieces = [own, *(overview.isel(place) for place in windows_of_places(own.shape, overview))]
+    footprint, _ = own_place(fine, overview, overviews)
+    pieces = [
+        footprint,
+        *(overview.isel(place_window) for place_window in windows_of_places(footprint.shape, overview)),
+    ]
     windows = [subwindow(relevelled(piece, form_order(fine))) for piece in pieces]
     touching = run.keywords["mean_pressure"] * (rms_gradient(windows[0]) / rms_gradient(window))
     without_peak = [name for name in names if name != PEAK]

@@ -166,9 +166,9 @@ def _extremes(heights: np.ndarray, low: float, high: float) -> Iterator[str]:
     ):
         if count:
             points = f"{count} points lie" if count > 1 else "1 point lies"
-            others = f"where 99 % lie between {quantity(lower, 'm')} and {quantity(upper, 'm')})"
+            usual_range = f"where 99 % lie between {quantity(lower, 'm')} and {quantity(upper, 'm')})"
             cause = "spikes, dust, or a marker for missing points that was taken for a height"
-            yield f"{points} far {where}, {others}: {cause} ({_MARKER_ADVICE})"
+            yield f"{points} far {where}, {usual_range}: {cause} ({_MARKER_ADVICE})"
 
 
 def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) -> Iterator[str]:

@@ -105,10 +105,10 @@ def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:
 
 def _load_in_words(numbers: Numbers, name: str) -> str:
     """Return the load from which on, or up to which, an allowed value holds, with its bounds."""
-    ends = [float(numbers[f"{name}_holds_from{suffix}"]) for suffix in ENDS]
-    (crossing, lower, upper), loads = ends, np.asarray(numbers["mean_pressure"], float)
-    at, low, high = (load_in_words(load, numbers)[1] if load > 0 else "" for load in ends)
-    interval = _interval_in_words(low, high) if len({*ends}) > 1 else ""  # that of a fluid has none
+    crossings = [float(numbers[f"{name}_holds_from{suffix}"]) for suffix in ENDS]
+    (crossing, lower, upper), loads = crossings, np.asarray(numbers["mean_pressure"], float)
+    at, low, high = (load_in_words(load, numbers)[1] if load > 0 else "" for load in crossings)
+    interval = _interval_in_words(low, high) if len({*crossings}) > 1 else ""  # that of a fluid has none
     if np.isnan(crossing):
         sentence = f"{'below' if ALLOWED_VALUES[name].trend > 0 else 'beyond'} the loads solved"
     elif ALLOWED_VALUES[name].trend > 0:

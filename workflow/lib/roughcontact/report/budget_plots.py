@@ -134,8 +134,8 @@ def wider_intervals(numbers: xr.Dataset) -> tuple[dict[str, str], dict[str, Any]
     """Return the contact area beyond band and map, by what that is, and the table of all intervals."""
     if not numbers.sizes["load"] or f"{AREA}_next_lower" not in numbers:
         return {}, None
-    known = [key for key in _BEYOND for end in ENDS[1:] if has_number(numbers, f"{AREA}_{key}{end}")]
-    beyond = {key: _BEYOND[key] for key in known}
+    measurands = [key for key in _BEYOND for end in ENDS[1:] if has_number(numbers, f"{AREA}_{key}{end}")]
+    beyond = {key: _BEYOND[key] for key in measurands}
     columns, loads = {"": "the ±", **beyond, "map": "this map"}, stated_loads(numbers).texts
     rows: list[list[str]] = []
     unknown = np.full(len(loads), np.nan)  # of the joint only some quantities are known
@@ -157,22 +157,22 @@ def _note_on_convergence(numbers: xr.Dataset) -> str:
     """Return a sentence on the results that still change over the shortest octave of waves."""
     if "cutoff_wavelength" not in numbers or numbers.sizes["cutoff"] < 2:
         return ""
-    moving, converged = [], []
+    moving, converged_names = [], []
     for name in _BY_CUTOFF:
         if f"{name}_at_cutoff" in numbers:
             fine, coarse = numbers[f"{name}_at_cutoff"].values.T[:2]
             usable = np.isfinite(fine) & (coarse > 0)  # none: of full contact, or of bodies with layers
             change = float(np.max(np.abs(fine[usable] / coarse[usable] - 1), initial=-1.0))
             moving += [f"{TITLES[name]} (by up to {percent(change)})"] if change > _CONVERGED else []
-            converged += [TITLES[name]] if 0 <= change <= _CONVERGED else []
+            converged_names += [TITLES[name]] if 0 <= change <= _CONVERGED else []
     result = []
     if moving:
         result.append(
             f"Not converged, the shortest octave of waves still changes them: {', '.join(moving)}. Waves "
             "that this map does not show may do so again: see the interval with an octave more."
         )
-    if converged:
-        result.append(f"Converged, within {percent(_CONVERGED)}: {', '.join(converged)}.")
+    if converged_names:
+        result.append(f"Converged, within {percent(_CONVERGED)}: {', '.join(converged_names)}.")
     return " ".join(result)
 
 

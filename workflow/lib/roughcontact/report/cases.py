@@ -84,17 +84,23 @@ def _table(
     groups = []
     for name in COMPARED if lowest else ():
         unit, rows = unit_of(middle, UNITS[name]), []
-        for place in np.argsort(lowest, kind="stable").tolist():
-            row = reference_loads.rows[place]
-            at_load = {case: [(cases[case], of.rows[place][case]) for cases, of in selection] for case in row}
+        for row_index in np.argsort(lowest, kind="stable").tolist():
+            row = reference_loads.rows[row_index]
+            at_load = {
+                case: [(cases[case], table.rows[row_index][case]) for cases, table in selection]
+                for case in row
+            }
             cells = [value(at_load[case], name, unit) if case in row else "–" for case in names]
             for pair in pairs:
-                compared = reference_loads.indices[pair]
+                pair_indices = reference_loads.indices[pair]
                 indices = row.get(pair[0], -1), row.get(pair[1], -1)
-                if indices not in compared:
+                if indices not in pair_indices:
                     cells.append("–")
                     continue
-                ratios = [_interval(of.changes[pair], name, compared.index(indices)) for _, of in selection]
+                ratios = [
+                    _interval(table.changes[pair], name, pair_indices.index(indices))
+                    for _, table in selection
+                ]
                 cells.append(change(_changes([at_load[case] for case in pair], name, ratios)))
             rows.append([_load(at_load), *cells])
         groups.append({"title": TITLES[name], "rows": rows})

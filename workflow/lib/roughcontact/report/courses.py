@@ -73,9 +73,11 @@ def _unloading(loading: xr.Dataset, residual: xr.Dataset) -> Part:
     loading = loading.assign(as_solved).sortby("mean_pressure")
     peaks = _along(residual, "peak")
     unloadings = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
-    drawn = {TITLES[result]: _loading_and_unloading([loading, *unloadings], result) for result in _UNLOADED}
+    lines_drawn = {
+        TITLES[result]: _loading_and_unloading([loading, *unloadings], result) for result in _UNLOADED
+    }
     sentences = [_lowered(loading, unloading) for unloading in unloadings]
-    return {label: chart for label, chart in drawn.items() if chart}, sentences
+    return {label: chart for label, chart in lines_drawn.items() if chart}, sentences
 
 
 def _loading_and_unloading(ways: Sequence[xr.Dataset], result: str) -> Chart | None:
@@ -124,7 +126,7 @@ def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
     x_axis = log_axis("sliding speed v (m/s)", speed, room=1.3)
     of_friction = curves_chart(x_axis, speed, "coefficient of friction μ", curves)
     pressure = pressure_map(xr.zeros_like(fastest["pressure"]), fastest["pressure"].values)
-    drawn = {
+    lines_drawn = {
         "coefficient of friction over the speed": of_friction,
         f"pressure at {fastest['speed'].item():.3g} m/s{way_labels[first]}": pressure,
         "share of the friction by wavelength": _octaves(fastest),
@@ -132,7 +134,9 @@ def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
     }
     others = [_scalars(way) for way in highest if way is not fastest]
     misfit = float(over.attrs["relaxation_misfit"])  # of the table from every linear material
-    return drawn, [sentence("slides", _scalars(fastest), others, misfit, MAX_MISFIT, _warm_from(course))]
+    return lines_drawn, [
+        sentence("slides", _scalars(fastest), others, misfit, MAX_MISFIT, _warm_from(course))
+    ]
 
 
 def _warm_from(over: xr.Dataset) -> tuple[float, float] | None:
@@ -168,7 +172,7 @@ def _wear(_: xr.Dataset, over: xr.Dataset) -> Part:
     x_axis = log_axis("sliding distance s (m), leftmost: 0", distances, room=1.3)
     heights = over[[*_HEIGHTS]].where(over[[*_HEIGHTS]] >= CLOSED) * unit.factor
     curves = {f"{name}, {words}": [heights[name].values] for name, words in _HEIGHTS.items()}
-    drawn = {
+    lines_drawn = {
         "heights before wear": height_map(before["height"], like=before["height"]),
         after_in_words: height_map(after["height"], like=before["height"]),
         **_over(over, _WORN, x_axis, distances, "over the distance"),
@@ -176,14 +180,14 @@ def _wear(_: xr.Dataset, over: xr.Dataset) -> Part:
             x_axis, distances, f"height ({unit.symbol})", curves
         ),
     }
-    return drawn, [sentence("runs_in", last, _scalars(before), CLOSED)]
+    return lines_drawn, [sentence("runs_in", last, _scalars(before), CLOSED)]
 
 
 def _over(
     course: xr.Dataset, results: Iterable[str], x_axis: Axis, abscissa: np.ndarray, words: str
 ) -> dict[str, Chart]:
     """Draw the results that a course has, with their intervals, along a logarithmic axis."""
-    drawn = {}
+    lines_drawn = {}
     for result in (name for name in results if name in course):
         unit = unit_of(course.isel(dict.fromkeys(course[result].dims, 0)), UNITS[result])
         # a hardness along the course is no limit of a single contact
@@ -191,8 +195,8 @@ def _over(
         lowest = CLOSED if result == GAP else 0.0  # finer than atoms nothing is known
         curve = [np.where(values >= lowest, values * unit.factor, np.nan) for values in curves]
         label = f"{TITLES[result]} ({unit.symbol})"
-        drawn[f"{TITLES[result]} {words}"] = curves_chart(x_axis, abscissa, label, {"": curve})
-    return drawn
+        lines_drawn[f"{TITLES[result]} {words}"] = curves_chart(x_axis, abscissa, label, {"": curve})
+    return lines_drawn
 
 
 def _along(numbers: xr.Dataset, dimension: str) -> list[xr.Dataset]:

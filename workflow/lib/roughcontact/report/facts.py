@@ -244,9 +244,13 @@ def _closing(numbers: xr.Dataset) -> str:
         return ""
     loads, result = stated_loads(numbers).texts, {}
     for axis in ("x", "y"):
-        first = next(iter(np.flatnonzero(numbers[f"gap_percolates_{axis}"].values == 0)), len(loads))
-        between = f"between {loads[first - 1]} and {loads[first]}" if 0 < first < len(loads) else ""
-        result[axis] = between or (f"not up to {loads[-1]}" if first else f"at {loads[0]} already")
+        first_closed = next(iter(np.flatnonzero(numbers[f"gap_percolates_{axis}"].values == 0)), len(loads))
+        between = (
+            f"between {loads[first_closed - 1]} and {loads[first_closed]}"
+            if 0 < first_closed < len(loads)
+            else ""
+        )
+        result[axis] = between or (f"not up to {loads[-1]}" if first_closed else f"at {loads[0]} already")
     if result["x"] == result["y"]:
         return result["x"]
     return "; ".join(f"along {axis} {text}" for axis, text in result.items())

@@ -61,8 +61,10 @@ def write_results(
     text = table_text(collect.append_failures(summary, failures))
     write_text(text, folder / "summary.csv")
     write_table(budget_table(statistics), folder / "uncertainty.csv")
-    solved = set(summary["surface"])
-    if pair_of_surface := {name: pair for pair, names in pairs.items() for name in names if name in solved}:
+    maps_solved = set(summary["surface"])
+    if pair_of_surface := {
+        name: pair for pair, names in pairs.items() for name in names if name in maps_solved
+    }:
         write_table(collect.pairs_table(summary, pair_of_surface), folder / "pairs.csv")
     names_requested = {*chain.from_iterable((*same_area_pairs, *groups.values(), *pairs.values()))}
     by_case = _split_by_map(statistics, names_requested)
@@ -136,12 +138,12 @@ def comparisons(answers: Sequence[NamedGroup], same_area_pairs: Sequence[Sequenc
     found: list[Comparisons] = []
     for case in dict.fromkeys(group.case for group in answers):
         of_case = [group for group in answers if group.case == case and group.members.is_compared]
-        labelled = {group.label: group.answer for group in of_case}
-        found.append(compare_all(labelled, same_area_pairs=same_area_pairs))
+        answers_by_label = {group.label: group.answer for group in of_case}
+        found.append(compare_all(answers_by_label, same_area_pairs=same_area_pairs))
     for name in dict.fromkeys(group.name for group in answers):
-        labelled = {group.label: group.answer for group in answers if group.name == name}
-        if len(labelled) > 1 and any(answer.sizes["map"] > 1 for answer in labelled.values()):
-            found.append(compare_all(labelled, cases=case_pairs(list(labelled))))
+        answers_by_label = {group.label: group.answer for group in answers if group.name == name}
+        if len(answers_by_label) > 1 and any(answer.sizes["map"] > 1 for answer in answers_by_label.values()):
+            found.append(compare_all(answers_by_label, cases=case_pairs(list(answers_by_label))))
     return _joined(found)
 
 
@@ -159,11 +161,14 @@ def map_comparisons(
     found: list[Comparisons] = []
     for case, of_case in by_case.items():
         labels = {
-            (first, second): (name_under(first, case), name_under(second, case))
-            for first, second in one_place + of_faces
-            if {first, second} <= of_case.keys()
+            (one_map, partner_map): (name_under(one_map, case), name_under(partner_map, case))
+            for one_map, partner_map in one_place + of_faces
+            if {one_map, partner_map} <= of_case.keys()
         }
-        results = {label: (of_case[first], of_case[second]) for (first, second), label in labels.items()}
+        results = {
+            label: (of_case[one_map], of_case[partner_map])
+            for (one_map, partner_map), label in labels.items()
+        }
         of_place = {label for pair, label in labels.items() if pair in one_place}
         found.append(compare_maps(results, of_place=of_place))
     return _joined(found)
@@ -180,9 +185,9 @@ def _joined(found: Sequence[Comparisons]) -> Comparisons:
 def _split_by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, dict[str, xr.Dataset]]:
     """Return what groups and differences need of some solved maps, by case ("" without cases) and name."""
     bands = json_attribute(statistics.attrs, "bands")
-    needed = statistics[needed_for_groups(map(str, statistics.variables))].drop_attrs(deep=False)
+    variables_needed = statistics[needed_for_groups(map(str, statistics.variables))].drop_attrs(deep=False)
     by_case: dict[str, dict[str, xr.Dataset]] = {}
-    for labels, result in collect.solved_results(needed):
+    for labels, result in collect.solved_results(variables_needed):
         case, surface = labels.get("case", ""), labels["surface"]
         if surface in names:
             by_case.setdefault(case, {})[surface] = result.assign_attrs(bands[case][surface])

@@ -204,13 +204,13 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Mapping[str, Cell], *, a
 
     Whether what is allowed holds comes first. A line that is `alone` has all that the cells have.
     """
-    words, asked = [], {name: cells[name] for name in asked_columns([numbers])}
+    words, cells_asked = [], {name: cells[name] for name in asked_columns([numbers])}
     names_allowed = stated_allowed(numbers)
     allowed = [allowed_in_words(numbers, name, index) for name in names_allowed]
     brief = {allowed_in_words(numbers, name, index, brief=True) for name in names_allowed}
-    remarks = Counter(cell.remark for cell in asked.values())
+    remarks = Counter(cell.remark for cell in cells_asked.values())
     repeated = [remark for remark, count in remarks.items() if remark and count > 1]
-    for name, cell in asked.items():
+    for name, cell in cells_asked.items():
         subject = ANSWERS[name].words if name in ANSWERS else HEADINGS[name]
         if HEADINGS[name] in IN_WORDS and cell.text != NOT_JUDGED:
             subject = ""
@@ -366,7 +366,7 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
         return Cell(NOT_JUDGED, reason)
     if lifts := fluid_in_words(numbers, index):
         return Cell("leaks", lifts, precision=_DECIDED)
-    closed = {axis: decisions.gap_is_closed(numbers, axis)[index] for axis in "xy"}
+    closed_axes = {axis: decisions.gap_is_closed(numbers, axis)[index] for axis in "xy"}
     open_axes = [axis for axis in "xy" if float(numbers[f"gap_percolates_{axis}"][index])]
 
     def leaks(axis: str) -> bool:
@@ -374,9 +374,9 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
         opening = interval_at(numbers, f"critical_constriction_{axis}", index)[0]
         return axis in open_axes and not opening <= decisions.closed_opening(numbers, axis)[index]
 
-    leaking = [a for a in "xy" if closed[a] == 0 or (np.isnan(closed[a]) and leaks(a))]
+    leaking = [a for a in "xy" if closed_axes[a] == 0 or (np.isnan(closed_axes[a]) and leaks(a))]
     judged = [axis for axis in "xy" if has_number(numbers, f"critical_constriction_{axis}_lower")]
-    undecided = [axis for axis in judged if np.isnan(closed[axis])]
+    undecided = [axis for axis in judged if np.isnan(closed_axes[axis])]
     precision = "" if len(judged) < 2 else _NOT_DECIDED if undecided else _DECIDED
     axes_shown = [axis for axis in "xy" if axis in leaking + undecided]
     details = [] if leaking or open_axes else ["gap closed along x and y"]
@@ -417,8 +417,8 @@ def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
         decision = decisions.is_yielding(numbers)[index]
         has_interval = has_number(numbers, f"{PEAK}_lower") or has_number(numbers, f"{PEAK}_upper")
         precision = "" if not has_interval else _NOT_DECIDED if np.isnan(decision) else _DECIDED
-        reached = "just" if PEAK in load and hardness_reached(load) else "nowhere"
-        details = f"{percent(share)} of the load flows" if share > 0 else f"hardness {reached} reached"
+        where_reached = "just" if PEAK in load and hardness_reached(load) else "nowhere"
+        details = f"{percent(share)} of the load flows" if share > 0 else f"hardness {where_reached} reached"
         return Cell("yes" if share > 0 or decision == 1 else "no", details, precision=precision)
     if below or has_number(load, "volume_above_yield"):
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")

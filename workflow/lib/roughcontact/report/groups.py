@@ -46,13 +46,15 @@ def answer_of_several(
     `series` has the statistics of each surface, loads rising, `last` the load at which it is asked.
     """
     # members of a group that is compared with no other: nobody asked for that
-    alone = [group for group in groups if not group.members.is_compared]
-    uncompared = {name_under(name, group.case) for group in alone for name in group.answer["map"].values}
-    asked = {labels: table for labels, table in comparisons.items() if not uncompared & {*labels}}
+    groups_alone = [group for group in groups if not group.members.is_compared]
+    uncompared = {
+        name_under(name, group.case) for group in groups_alone for name in group.answer["map"].values
+    }
+    tables_asked = {labels: table for labels, table in comparisons.items() if not uncompared & {*labels}}
     if groups or not series:
-        return differences_in_words(asked) or groups_in_words(groups, series)
+        return differences_in_words(tables_asked) or groups_in_words(groups, series)
     results = {name_under(*key): (data, last[key]) for key, data in series.items()}
-    return differences_in_words(asked) or surfaces_in_words(results)
+    return differences_in_words(tables_asked) or surfaces_in_words(results)
 
 
 def group_rows(groups: Sequence[NamedGroup], verdicts: Mapping[Key, str] | None = None) -> list[Row]:
@@ -176,8 +178,8 @@ def _scatter(load: xr.Dataset) -> Cell:
     """Return the standard deviations of the area between parts and between maps."""
     deviations = {"parts": float(load[f"{AREA}_between"]), "maps": float(load[f"{AREA}_within"])}
     texts = {name: percent(value) for name, value in deviations.items() if np.isfinite(value)}
-    named = [f"{name} {text}" for name, text in texts.items()]
-    return Cell(", ".join(texts.values() if len(texts) == 1 else named) or "–")
+    texts_by_name = [f"{name} {text}" for name, text in texts.items()]
+    return Cell(", ".join(texts.values() if len(texts) == 1 else texts_by_name) or "–")
 
 
 def differences_in_words(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> str:

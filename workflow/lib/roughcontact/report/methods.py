@@ -65,7 +65,7 @@ def _range_of_hardness(statistics: xr.Dataset) -> str:
     """Return what the intervals hold of the hardness."""
     if "hardness_lower" not in statistics:
         return "taken as exact"
-    bounds = (float(statistics[f"hardness{end}"]) for end in ENDS[1:])
+    bounds = (float(statistics[f"hardness{suffix}"]) for suffix in ENDS[1:])
     return f"in the intervals {unit_of(statistics, 'Pa').ends(*bounds)}"
 
 

@@ -56,7 +56,7 @@ def write_report(
     folder `pages`. `summary` is the text of `summary.csv`, `changed` the settings in words by case,
     `omissions` why groups have no answer; the page is `linked` to the tables of the run.
     """
-    folder, many = Path(path).parent, len(finished) + len(failures) > ONE_PAGE
+    folder, has_index = Path(path).parent, len(finished) + len(failures) > ONE_PAGE
     series = _series(statistics)
     results = list(series.values())
     by_surface: dict[str, dict[str, xr.Dataset]] = {}
@@ -88,13 +88,13 @@ def write_report(
             "answer": answer_with_courses(line, courses),
             "glance": [[at_load[name] for name in (glance.LOAD, *asked)] for at_load in cells],
             "further": [[at_load[name] for name in (glance.LOAD, *further)] for at_load in cells],
-            "numbers": _compared(numbers, units[key], last[key]) if many else [],
+            "numbers": _compared(numbers, units[key], last[key]) if has_index else [],
             "sample": line_style(*styles[key]),
             "group": group_of_surface.get(entry["surface"], ""),
             "rank": len(VERDICTS) - list(VERDICTS).index(of_panel["verdict"]),
         }
         rows.append(row)
-        if not many:  # that of the table below
+        if not has_index:  # that of the table below
             last[key] = row["loads"][-1]
     cases_of_run = dict.fromkeys([*(case for _, case in series), *(failure["case"] for failure in failures)])
     causes: dict[tuple[str, str], list[str | None]] = {}
@@ -108,7 +108,7 @@ def write_report(
     answers = maps | {group.label: group.answer for group in groups}
     compared = group_section.shown_comparisons(compared or {}, answers)
     equal_loads = same_loads(settings)
-    if not many and equal_loads and len({*last.values()}) > 1:  # surfaces are compared at one load
+    if not has_index and equal_loads and len({*last.values()}) > 1:  # surfaces are compared at one load
         last = dict(zip(series, glance.loads_to_compare(results, glance.AREAS[-1]), strict=True))
     several = group_section.answer_of_several(groups, compared, series, last)
     cases = {name: case_table(by_case, equal_loads=equal_loads) for name, by_case in by_surface.items()}
@@ -124,26 +124,26 @@ def write_report(
         "in_words": glance.IN_WORDS,
         "asked_of_run": describe_problem(settings, changed),
     }
-    if many:
+    if has_index:
         _write_pages(folder / "pages", rows, failure_rows, cases, head)
         cases = {"": case_medians(list(by_surface.values()), equal_loads=equal_loads)}
     html = template("report.html").render(
         head,
         rows=rows,
         headings=(*_HEADINGS, *glance.headings_of([*_SORTED_BY][1:], results)),
-        download="" if many else _as_download(summary),
+        download="" if has_index else _as_download(summary),
         linked=linked,
         counts=Counter(row["verdict"] for row in rows),
-        many=many,
+        many=has_index,
         doubts=Counter(doubt for row in rows for doubt in row["doubts"]).most_common(),
         surfaces=len(by_surface),
         cases_of_run=[*filter(None, cases_of_run)],
         which_load=_which_load(indices, results),
         # of so many that an index stands for them, lines over one another tell nothing
-        comparisons=[] if many else _comparisons(series, styles, bool(group_of_surface)),
+        comparisons=[] if has_index else _comparisons(series, styles, bool(group_of_surface)),
         cases=[(name, table) for name, table in cases.items() if table],
         courses=[row["courses"] for row in rows],
-        parts=[] if many else _parts(rows, folder),
+        parts=[] if has_index else _parts(rows, folder),
         failures=failure_rows,
         groups=group_section.group_rows(groups, verdicts),
         group_headings=group_section.HEADINGS,
@@ -164,14 +164,14 @@ def _write_pages(
 ) -> None:
     """Write the page of each surface, with its table of `cases` and the same `head`."""
     names = list(dict.fromkeys(row["surface"] for row in rows))
-    for before, name, after in zip([None, *names], names, [*names[1:], None], strict=False):
+    for previous, name, following in zip([None, *names], names, [*names[1:], None], strict=False):
         rows_of_surface = [row for row in rows if row["surface"] == name]
         html = template("surface.html").render(
             head,
             measured=measured_in_words({name: rows_of_surface[0]["measured"]}),
             name=name,
-            before=before,
-            after=after,
+            before=previous,
+            after=following,
             cases=cases[name],
             rows=rows_of_surface,
             failures=[failure for failure in failures if failure["surface"] == name],
@@ -215,8 +215,10 @@ def _comparisons(
     charts = []
     for compared, unit, text in ((rough, pressure, " ".join(remarks)), (half_spaces, None, in_these_units)):
         if len(compared) > 1:
-            named = {name_under(*key): data for key, data in compared.items()}
-            charts.append((compare_areas(named, [styles[key] for key in compared], pressure=unit), text))
+            texts_by_name = {name_under(*key): data for key, data in compared.items()}
+            charts.append(
+                (compare_areas(texts_by_name, [styles[key] for key in compared], pressure=unit), text)
+            )
     return charts
 
 
@@ -257,7 +259,7 @@ def _compared(data: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[R
 
 def _which_load(indices: Sequence[int], results: Sequence[xr.Dataset]) -> str:
     """Return the load at which the surfaces of the index are compared, in words."""
-    places = {(index + 1, data.sizes["load"]) for index, data in zip(indices, results, strict=True)}
-    if len(places) > 1:
+    load_numbers = {(index + 1, data.sizes["load"]) for index, data in zip(indices, results, strict=True)}
+    if len(load_numbers) > 1:
         return "at that load at which its contact is nearest"
-    return "at load {} of {}, at which the contact of most is nearest".format(*places.pop())
+    return "at load {} of {}, at which the contact of most is nearest".format(*load_numbers.pop())

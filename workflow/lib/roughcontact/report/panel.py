@@ -59,8 +59,10 @@ def write_panel(
     all_checks = checks.window_checks(numbers, window_map)
     # of loads that nobody stated those are judged that are shown
     are_planned = numbers.attrs.get("loads") == "planned"
-    judged = checks.window_checks(numbers.isel(load=indices), window_map) if are_planned else all_checks
-    verdict = glance.verdict_on_asked(numbers, indices, outcome.worst_result(judged))
+    judged_checks = (
+        checks.window_checks(numbers.isel(load=indices), window_map) if are_planned else all_checks
+    )
+    verdict = glance.verdict_on_asked(numbers, indices, outcome.worst_result(judged_checks))
     doubts = outcome.sort_by_importance(outcome.not_passed(all_checks))
     reason = glance.main_doubt(numbers, doubts)
     cells = glance.glance_rows(numbers, indices=indices[-1:])[0]
@@ -78,7 +80,7 @@ def write_panel(
         "measured": facts.date_text(measured_map),
         "waves": facts.waves_in_words(window_map),
     }
-    shown = {
+    values_shown = {
         "facts": facts.surface_facts(measured_map, plane, window_map, numbers),
         "maps": _maps([measured_map, *map(_read_map, counter_faces)], plane, window_map, numbers, overview),
         "source_sha256": measured_map.attrs.get("source_sha256", ""),
@@ -94,7 +96,7 @@ def write_panel(
     }
     rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
     html = template("panel.html").render(
-        summary | shown,
+        summary | values_shown,
         verdict_words=outcome.VERDICTS[verdict],
         doubts=doubts,
         checks=all_checks,
@@ -148,8 +150,8 @@ def _maps(
     `measured` has the faces of a pair, or the one.
     """
     *titles, title_of_levelled = _TITLES[len(measured)]
-    titled = zip(titles, measured, strict=True)
-    faces: list[tuple] = [(title, face, facts.measured_caption(face), None) for title, face in titled]
+    titled_maps = zip(titles, measured, strict=True)
+    faces: list[tuple] = [(title, face, facts.measured_caption(face), None) for title, face in titled_maps]
     faces.append((title_of_levelled, levelled, facts.levelled_caption(levelled), _frame(window)))
     faces.append(("Solved window", window, window.attrs.get("window_reason", ""), None))
     for coarser in separate_overviews(read_dataset(overview)) if overview is not None else ():

@@ -264,8 +264,8 @@ def _drawn(chart: Chart, ax: "Axes | None") -> "Axes":
     for ticks, axis, limits in ((ax.xaxis, chart.x, ax.get_xlim()), (ax.yaxis, chart.y, ax.get_ylim())):
         # of axes that show something already, the union
         extent = [axis.low, axis.high, *(limits if ax.has_data() else ())]
-        scale, ends = "log" if axis.log else "linear", (min(extent), max(extent))
-        ax.set(**{f"{ticks.axis_name}scale": scale, f"{ticks.axis_name}lim": ends})
+        scale, extremes = "log" if axis.log else "linear", (min(extent), max(extent))
+        ax.set(**{f"{ticks.axis_name}scale": scale, f"{ticks.axis_name}lim": extremes})
         _write_ticks(ticks, axis)
     for kind, step in chart.steps:
         if kind in _METHODS:

@@ -107,10 +107,10 @@ def creep_table(numbers: xr.Dataset, load_indices: Sequence[int]) -> Table | Non
     of_times: list[tuple[str, Numbers]] = [("at once", numbers)]
     for column, time in enumerate(numbers["time"].values):
         after = {
-            f"{name}{end}": numbers[f"{name}_after{end}"].values[:, column]
+            f"{name}{suffix}": numbers[f"{name}_after{suffix}"].values[:, column]
             for name in names
-            for end in ENDS
-            if f"{name}_after{end}" in numbers
+            for suffix in ENDS
+            if f"{name}_after{suffix}" in numbers
         }
         of_times.append((_duration(float(time)), after))
     rows = []

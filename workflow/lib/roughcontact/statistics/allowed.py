@@ -111,13 +111,13 @@ def with_allowed(
             continue
         if allowed.answer == "sealing" and reason_without_flow(statistics):  # that is not judged
             continue
-        loads, ends = complete["mean_pressure"].values, compared_ends(complete, name)
-        holds, from_load = compare(loads, ends, allowed=limit**allowed.sense, trend=allowed.trend)
+        loads, bounds = complete["mean_pressure"].values, compared_ends(complete, name)
+        holds, from_load = compare(loads, bounds, allowed=limit**allowed.sense, trend=allowed.trend)
         # what the fluid lifts does not hold, whatever the gap without it
         holds = np.where(is_lifted(complete, name), 0.0, holds)
         from_load = np.maximum(from_load, lifting_pressure(complete, name))
         columns |= {f"allowed_{name}": limit, f"{name}_holds": ("load", holds)}
-        columns |= {f"{name}_holds_from{end}": load for end, load in zip(ENDS, from_load, strict=True)}
+        columns |= {f"{name}_holds_from{suffix}": load for suffix, load in zip(ENDS, from_load, strict=True)}
     return complete.assign(columns)
 
 
@@ -129,10 +129,12 @@ def compared_ends(statistics: xr.Dataset, name: str) -> np.ndarray:
     """
     allowed, nan = ALLOWED_VALUES[name], np.full(statistics.sizes["load"], np.nan)
     numbers = [number for number in allowed.numbers if number in statistics]
-    ends = [np.max([statistics.get(f"{number}{end}", nan) for number in numbers], axis=0) for end in ENDS]
+    bounds = [
+        np.max([statistics.get(f"{number}{suffix}", nan) for number in numbers], axis=0) for suffix in ENDS
+    ]
     with np.errstate(divide="ignore"):
         # the ends of a reciprocal change places
-        return np.array(ends) if allowed.sense > 0 else 1 / np.array(ends)[[0, 2, 1]]
+        return np.array(bounds) if allowed.sense > 0 else 1 / np.array(bounds)[[0, 2, 1]]
 
 
 def _totals(statistics: xr.Dataset, properties: Mapping[str, Any]) -> dict[str, xr.DataArray]:

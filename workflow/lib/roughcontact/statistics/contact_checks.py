@@ -88,17 +88,19 @@ def resolution(statistics: Statistics) -> Check:
     if np.isnan(resolution):
         return passed("The map is flat: there is no wave to resolve.")
     excess = overcount(statistics)
-    most = percent(excess.max())
+    largest_excess = percent(excess.max())
     waves = f"The shortest wave of the map has {number(resolution, digits=2)} points."
     if coarse := int((excess > OVERCOUNT).sum()):
         loads = f"At {coarse} of {excess.size} loads the" if excess.size > 1 else "The"
         return review(
             f"{loads} contact patches are only a few points across: counting points overstates the area by "
-            f"up to {most}, and the correction is coarse.",
+            f"up to {largest_excess}, and the correction is coarse.",
             explanation=waves,
             advice="Measure with finer pixels.",
         )
-    return passed(f"Counting points overstates the area by at most {most}; this is corrected. {waves}")
+    return passed(
+        f"Counting points overstates the area by at most {largest_excess}; this is corrected. {waves}"
+    )
 
 
 def plasticity(statistics: Statistics) -> Check:

@@ -311,25 +311,27 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
     attrs = {key: text for key, text in budget.attrs.items() if key.startswith(("window_", "overview_"))}
-    corrected = [name.removesuffix(_AS_SOLVED) for name in map(str, budget) if name.endswith(_AS_SOLVED)]
-    estimates = {name: budget[f"{name}_estimate"].variable for name in corrected}
+    corrected_names = [
+        name.removesuffix(_AS_SOLVED) for name in map(str, budget) if name.endswith(_AS_SOLVED)
+    ]
+    estimates = {name: budget[f"{name}_estimate"].variable for name in corrected_names}
     complete = statistics.assign(estimates).merge(budget, compat="override", join="override")
     complete = complete.assign_attrs(attrs)
     # by an overview; what is the same number in another unit follows
     by_area, by_conductance = (
-        complete[name] / complete[f"{name}{_AS_SOLVED}"] if name in corrected else 1.0
+        complete[name] / complete[f"{name}{_AS_SOLVED}"] if name in corrected_names else 1.0
         for name in (AREA, CONDUCTANCE)
     )
-    if CONDUCTANCE in corrected:
+    if CONDUCTANCE in corrected_names:
         powers = {name: power for name, power in _BY_CONDUCTANCE.items() if name in complete}
         complete = complete.assign({name: complete[name] * by_conductance ** powers[name] for name in powers})
-    if PEAK in corrected and "max_pressure_over_modulus" in complete:
+    if PEAK in corrected_names and "max_pressure_over_modulus" in complete:
         relative = complete[PEAK] / complete["contact_modulus"]
         complete = complete.assign(max_pressure_over_modulus=relative.variable)
-    if AREA in corrected:
+    if AREA in corrected_names:
         # flash temperatures by the coefficient of friction that follows the area
-        heated = _FLASH_TEMPERATURES if "flash_temperature_by" in complete.attrs else ()
-        by_shear = [name for name in ("friction_coefficient", *heated) if name in complete]
+        heated_names = _FLASH_TEMPERATURES if "flash_temperature_by" in complete.attrs else ()
+        by_shear = [name for name in ("friction_coefficient", *heated_names) if name in complete]
         complete = complete.assign({name: complete[name] * by_area for name in by_shear})
     # after the corrections, which the ends in other units follow
     bounds = _ends_in_other_units(complete) | _ends_of_the_leak(complete)

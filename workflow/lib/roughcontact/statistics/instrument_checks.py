@@ -106,27 +106,27 @@ def _traces(window: Attributes) -> Iterator[tuple[str, tuple[str, ...]]]:
             f"{_exponent(window)}. A lens, a filter of the instrument's software or interpolation does this; "
             "of surfaces only one without any shorter waves"
         )
-        stated = f"Waves below {length} are missing, as stated"
-        yield (stated, ()) if spectrum_end <= limit else (sentence, (_UNFILTERED, _RESOLVED))
+        explanation = f"Waves below {length} are missing, as stated"
+        yield (explanation, ()) if spectrum_end <= limit else (sentence, (_UNFILTERED, _RESOLVED))
     elif window.get("spectrum_bend", 0.0) < BENT:
         sentence = (
             "The shortest waves are too low: in its last octave the spectrum falls more steeply than in the "
             f"one before, its exponent by {number(-window['spectrum_bend'], digits=2)} or more. A lens that "
             "resolves little more than the pixels does this"
         )
-        stated = "The shortest waves are too low, as stated"
-        yield (stated, ()) if window["pixel_pitch"] <= limit else (sentence, (_RESOLVED,))
+        explanation = "The shortest waves are too low, as stated"
+        yield (explanation, ()) if window["pixel_pitch"] <= limit else (sentence, (_RESOLVED,))
     if window["rounded_peaks"] > ROUNDED:
         radius = window["sharpest_peak_radius"]
-        rounded = f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more"
-        sentence = f"{rounded}, and valleys are sharp: the tip of a stylus or probe does this"
+        rounded_sentence = f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more"
+        sentence = f"{rounded_sentence}, and valleys are sharp: the tip of a stylus or probe does this"
         # half the radius: its estimate from the sharpest peaks is coarse
         is_stated = (Instrument.read(window).tip_radius or 0.0) > radius / 2
-        stated = "Peaks are rounded, as the stated tip radius says"
-        yield (stated, ()) if is_stated else (sentence, ("state the tip (instrument.tip_radius)",))
+        explanation = "Peaks are rounded, as the stated tip radius says"
+        yield (explanation, ()) if is_stated else (sentence, ("state the tip (instrument.tip_radius)",))
     if window.get("repeated_heights", 0.0) > REPEATED:  # which no setting states
-        filtered = "a median filter does this, and leaves little of waves below about five pixels"
-        yield f"Neighbouring points often have exactly the same height: {filtered}", (_UNFILTERED,)
+        filter_sentence = "a median filter does this, and leaves little of waves below about five pixels"
+        yield f"Neighbouring points often have exactly the same height: {filter_sentence}", (_UNFILTERED,)
 
 
 def _exponent(window: Attributes) -> str:
@@ -171,11 +171,11 @@ def noise(window: Attributes) -> Check:
     if "noise_floor" not in window:
         return not_made(_FEW_WAVES)
     floor, share, explanation = window["noise_floor"], float(window["noise_gradient_share"]), ""
-    stated = (Instrument.read(window).noise or 0.0) if floor > 0 else 0.0
-    if stated:
+    stated_noise = (Instrument.read(window).noise or 0.0) if floor > 0 else 0.0
+    if stated_noise:
         # the gradient of white noise goes with its rms height
-        share *= (stated / floor) ** 2
-        makes_up = f"The stated noise of {quantity(stated, 'm')} makes up"
+        share *= (stated_noise / floor) ** 2
+        makes_up = f"The stated noise of {quantity(stated_noise, 'm')} makes up"
         advice = "Average several maps"
     elif _ends_flat(window):
         white = f"a white noise of {quantity(floor, 'm', digits=2)} (rms)"
@@ -187,7 +187,7 @@ def noise(window: Attributes) -> Check:
         return passed(f"The spectrum falls down to the pixels, as q^{exponent}: no white noise shows.")
     # that of a floor can exceed the whole
     text = f"{makes_up} {percent(share) if share < 1 else 'all'} of the mean square gradient"
-    if stated and "corrected_for" in window:
+    if stated_noise and "corrected_for" in window:
         return passed(f"{text} as measured, for which the map is corrected.")
     if share <= NOISE_SHARE:
         return passed(f"{text}.")

@@ -15,8 +15,8 @@ _SAME_SIZE = 1e-6  # relative
 
 def facts_of_numbers(numbers: Numbers) -> KindFacts:
     """Return the facts of the kind of problem of numbers, by those that only one kind has."""
-    shown = (facts for facts in KIND_FACTS if facts.own_numbers and has_number(numbers, facts.own_numbers[0]))
-    return next(shown, PERIODIC_MAP)
+    kinds = (facts for facts in KIND_FACTS if facts.own_numbers and has_number(numbers, facts.own_numbers[0]))
+    return next(kinds, PERIODIC_MAP)
 
 
 def reason_without_flow(numbers: Numbers) -> str:

@@ -255,14 +255,14 @@ def _step(
     series = replace(material, foundation=depth * material.modulus)
     pressure = solve(worn.height, series, worn.pressure)["pressure"].values[0]
     lost = depth * pressure
-    after = _worn(worn.distance + step, solve(worn.height - lost, material, pressure), material)
+    next_face = _worn(worn.distance + step, solve(worn.height - lost, material, pressure), material)
     # whatever the solver left open, the pressure of the step is a subgradient of Phi at h' up to the
     # difference of Phi and its own energy, and that counts twice: as an error of the step, and in D
-    own_energy, _ = _energy(pressure, after.height, material)
-    change = _norm(worn.pressure - pressure, after.height, material) - worn.missing
-    change -= math.sqrt(2 * max(after.energy - own_energy, 0.0))
-    growth = depth * (worn.energy + after.energy - 2 * own_energy - CONVEXITY * max(change, 0.0) ** 2)
-    return after._replace(squared_error=worn.squared_error + max(growth - float(np.var(lost)), 0.0))
+    own_energy, _ = _energy(pressure, next_face.height, material)
+    change = _norm(worn.pressure - pressure, next_face.height, material) - worn.missing
+    change -= math.sqrt(2 * max(next_face.energy - own_energy, 0.0))
+    growth = depth * (worn.energy + next_face.energy - 2 * own_energy - CONVEXITY * max(change, 0.0) ** 2)
+    return next_face._replace(squared_error=worn.squared_error + max(growth - float(np.var(lost)), 0.0))
 
 
 def _worn(distance: float, contact: xr.Dataset, material: Elasticity) -> _Worn:

@@ -323,16 +323,16 @@ def sliding_contact(
         contact = contact_from(face, typical, start, load=load, tolerance=aim, threads=threads)
         start = pressure = contact["pressure"].values[0]
         level = heights + applied(reflection, 2 * applied(size, pressure) - level + heights)
-        certified = nondimensionalise(
+        scaled_problem = nondimensionalise(
             window.copy(data=heights + applied(storage - symbol, pressure)), threads=threads
         )
-        unit = unit_of_pressure(certified, modulus)
+        unit = unit_of_pressure(scaled_problem, modulus)
         grid = Grid(
-            certified.heights,
-            certified.lengths,
-            stiff.scaled(certified.unit_length, unit),
-            reference=certified.reference,
-            unit=certified.scale,
+            scaled_problem.heights,
+            scaled_problem.lengths,
+            stiff.scaled(scaled_problem.unit_length, unit),
+            reference=scaled_problem.reference,
+            unit=scaled_problem.scale,
             threads=threads,
         )
         state = grid.evaluate(pressure / unit)[0]
@@ -340,16 +340,16 @@ def sliding_contact(
         aim, contacts = INNER * max(min(bound, 1.0), tolerance), contacts + 1
     power = halfplane_weights(heights.shape) * wave_power(pressure)
     friction_of_waves = power * loss / load
-    dissipated = np.divide(loss, storage, out=np.zeros_like(loss), where=storage > 0)
+    loss_tangent = np.divide(loss, storage, out=np.zeros_like(loss), where=storage > 0)
     # <p, L p> - <p*, L p*> = 2 <e, L p> - <e, L e>, L the symmetric operator of the dissipation
     error = bound * math.sqrt(float((power * storage).sum()))
-    linear = 2 * error * math.sqrt(float((power * loss * dissipated).sum()))
+    linear = 2 * error * math.sqrt(float((power * loss * loss_tangent).sum()))
     return SlidingContact(
-        fields_in_units(Solution(state, bound, contacts), certified, stiff, threads=threads),
+        fields_in_units(Solution(state, bound, contacts), scaled_problem, stiff, threads=threads),
         bound,
         contacts,
         float(friction_of_waves.sum()),
-        (linear + error**2 * float(dissipated.max())) / load,
+        (linear + error**2 * float(loss_tangent.max())) / load,
         friction_of_waves,
     )
 

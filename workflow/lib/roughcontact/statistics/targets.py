@@ -127,10 +127,12 @@ def target_loads(
 
 def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> list[float]:
     """Return the mean pressures (Pa) of the section `contact`: as stated, relative, planned, by target."""
-    stated = {key: value for key, value in contact.items() if value is not None}
+    stated_values = {key: value for key, value in contact.items() if value is not None}
     material: dict[str, Any] = {key: contact.get(key) for key in ("contact_modulus", "hardness")}
-    load_settings = {key: stated[key] for key in ("mean_pressure", "relative_pressure") if key in stated}
-    targets = {key: stated[key] for key in TARGETS if key in stated}
+    load_settings = {
+        key: stated_values[key] for key in ("mean_pressure", "relative_pressure") if key in stated_values
+    }
+    targets = {key: stated_values[key] for key in TARGETS if key in stated_values}
     loads = plan_loads(window, **material, **load_settings) if load_settings or not targets else []
     if targets:
         solver = {key: contact[key] for key in (*_SOLVER, "bodies") if key in contact}

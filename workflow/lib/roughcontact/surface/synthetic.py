@@ -142,8 +142,8 @@ def rough_reference_surface(points: int) -> xr.DataArray:
     spectrum[inside] = noise[inside] * k[inside] ** -1.8
     full_spectrum = np.zeros((points, points), dtype=complex)
     # negative numbers of waves count from the end, in both spectra
-    kept = waves[np.abs(waves) <= 16]
-    full_spectrum[np.ix_(kept, kept)] = spectrum[np.ix_(kept, kept)]
+    long_waves = waves[np.abs(waves) <= 16]
+    full_spectrum[np.ix_(long_waves, long_waves)] = spectrum[np.ix_(long_waves, long_waves)]
     heights = np.fft.ifft2(full_spectrum).real * (points / 64) ** 2
     return height_map(heights, 1 / points, unit="m", instrument={"generator": "rough reference case"})
 

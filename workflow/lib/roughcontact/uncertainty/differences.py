@@ -193,8 +193,8 @@ def _of_map(name: str, data: xr.Dataset, loads: np.ndarray | None, of_place: boo
 
     def reach(endings: Sequence[str]) -> np.ndarray:
         """Return how far the ends of an interval lie below and above the value (side, load)."""
-        ends = [to_scale(GAP, data.get(f"{name}{key}", np.nan * data[name]).values) for key in endings]
-        return SIGNS[:2] * (np.array(ends) - value)
+        bounds = [to_scale(GAP, data.get(f"{name}{key}", np.nan * data[name]).values) for key in endings]
+        return SIGNS[:2] * (np.array(bounds) - value)
 
     fine_map = data.get(f"{name}_alone", data[name])  # NaN of a map beside others with an overview
     value = to_scale(GAP, (fine_map.fillna(data[name]) if of_place else data[name]).values)
@@ -301,9 +301,9 @@ def _row(
     `widths` are the components of both, `by_maps` its standard uncertainty by the scatter of the maps of
     groups, with its degrees of freedom, and their standard deviation; of two maps all is in the `widths`.
     """
-    unshared = _unshared(widths, correlation)
-    half_widths = [np.sqrt(squares.sum(axis=-1)) + shifts.sum(axis=-1) for squares, shifts in unshared]
-    by_source = [np.sqrt(squares) + shifts for squares, shifts in unshared]
+    unshared_widths = _unshared(widths, correlation)
+    half_widths = [np.sqrt(squares.sum(axis=-1)) + shifts.sum(axis=-1) for squares, shifts in unshared_widths]
+    by_source = [np.sqrt(squares) + shifts for squares, shifts in unshared_widths]
     if by_maps:
         error, freedom, spread = by_maps
         scatter = random_effects.student(freedom) * error
@@ -340,7 +340,7 @@ def _judged(comparisons: Mapping[Any, xr.Dataset], relevant: float = RELEVANT) -
     for name in {name for data in comparisons.values() for name in data["quantity"].values}:
         family = [data["p_value"] for data in comparisons.values() if name in data["quantity"]]
         for of_pair, p_values in zip(
-            family, random_effects.holm([each.loc[name].values for each in family]), strict=True
+            family, random_effects.holm([table.loc[name].values for table in family]), strict=True
         ):
             of_pair.loc[name] = p_values
     judged = {}
@@ -354,7 +354,7 @@ def _judged(comparisons: Mapping[Any, xr.Dataset], relevant: float = RELEVANT) -
     return judged
 
 
-def _outcome(numbers: Mapping[str, float], of: Mapping[str, Any], relevant: float) -> str:
+def _outcome(numbers: Mapping[str, float], row: Mapping[str, Any], relevant: float) -> str:
     """Return whether two results differ in a quantity under a load, in words, from numbers of `_table`."""
     _, low, high = (numbers[key] for key in _RATIOS)
     if not np.isfinite([low, high, numbers["p_value"]]).all():
@@ -363,22 +363,22 @@ def _outcome(numbers: Mapping[str, float], of: Mapping[str, Any], relevant: floa
         return DIFFER
     if (largest_ratio := max(1 - low, high - 1)) <= relevant:
         return f"do not differ by more than {percent(max(largest_ratio, _MIN_DIFFERENCE))}"
-    return f"inconclusive: {_what_decides(numbers, of, relevant)}"
+    return f"inconclusive: {_what_decides(numbers, row, relevant)}"
 
 
-def _what_decides(numbers: Mapping[str, float], of: Mapping[str, Any], relevant: float) -> str:
+def _what_decides(numbers: Mapping[str, float], row: Mapping[str, Any], relevant: float) -> str:
     """Return what would show a difference that matters: more maps, or a smaller error that all maps share."""
     cause = SOURCES[int(numbers["largest_source"])]
-    if "of_place" in of:
+    if "of_place" in row:
         errors = percent(numbers["ratio_upper"] / numbers["ratio"] - 1)
-        way = ADVICE.get(cause, "measure a longer field") if of["of_place"] else _MORE_PLACES
+        way = ADVICE.get(cause, "measure a longer field") if row["of_place"] else _MORE_PLACES
         return f"errors that differ are up to {errors}, most by the {cause}; {way}"
     target = math.log1p(relevant)
-    maps = random_effects.maps_needed(numbers["spread"], target, pairs=of["paired"])
-    missing_maps = max(maps - of["units"], 1)
+    maps = random_effects.maps_needed(numbers["spread"], target, pairs=row["paired"])
+    missing_maps = max(maps - row["units"], 1)
     count = f"more than {_MAX_MAPS}" if missing_maps > _MAX_MAPS else f"about {missing_maps}"
-    nouns, group = "s" if missing_maps > 1 else "", "" if of["paired"] else " per group"
-    more_maps = f"{count} more {of['noun']}{nouns}{group} needed"
+    nouns, group = "s" if missing_maps > 1 else "", "" if row["paired"] else " per group"
+    more_maps = f"{count} more {row['noun']}{nouns}{group} needed"
     if numbers["shared"] < target:
         return more_maps
     advice = ADVICE.get(cause, "state what they share")

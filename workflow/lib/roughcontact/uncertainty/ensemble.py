@@ -91,9 +91,9 @@ class Result(NamedTuple):
         """Return the results of another window (load)."""
         return self.solve(window, self.contact, names=self.values)
 
-    def again_by_part(self, part: xr.DataArray, before: Values) -> dict[str, np.ndarray]:
+    def again_by_part(self, part: xr.DataArray, part_results: Values) -> dict[str, np.ndarray]:
         """Return the results of a changed window (load) by those of a part of it, and of that `before`."""
-        changes = self.changes_of_part(before, self.again(part)).items()
+        changes = self.changes_of_part(part_results, self.again(part)).items()
         return {
             name: from_scale(name, to_scale(name, self.values[name]) + change) for name, change in changes
         }

@@ -155,9 +155,13 @@ def group_statistics(
     columns: dict[str, tuple] = {}
     is_outlier = np.zeros((len(datasets), loads.size), bool)
     for name in quantities:
-        values, components, *alone = maps.on_scale(name)
+        values, components, *alone_components = maps.on_scale(name)
         shared = components.mean(axis=0)
-        numbers = maps.own_numbers(name) if len(datasets) == 1 else maps.numbers(name, values, shared, alone)
+        numbers = (
+            maps.own_numbers(name)
+            if len(datasets) == 1
+            else maps.numbers(name, values, shared, alone_components)
+        )
         in_units = combination.component_in_units(name, numbers[""], np.moveaxis(shared, 0, -1))
         is_unknown = np.isnan(values)
         of_maps = np.where(is_unknown, maps.at_loads(name), from_scale(name, values))
@@ -264,7 +268,7 @@ class _Maps(NamedTuple):
         return dict.fromkeys(endings, np.full(self.loads.shape, np.nan)) | own
 
     def numbers(
-        self, name: str, values: np.ndarray, shared: np.ndarray, alone: Sequence[np.ndarray]
+        self, name: str, values: np.ndarray, shared: np.ndarray, alone_components: Sequence[np.ndarray]
     ) -> dict[str, np.ndarray]:
         """Return the numbers (load) of a quantity of several maps, by their endings.
 
@@ -273,7 +277,7 @@ class _Maps(NamedTuple):
         """
         effects, is_expected = self.effects(name, values, shared[:, _WINDOW, :2].mean(axis=1))
         # of an overview the value is a mean over its places, which scatters less than the next map
-        of_single, _ = self.effects(name, alone[0], alone[1].mean(axis=0))
+        of_single, _ = self.effects(name, alone_components[0], alone_components[1].mean(axis=0))
         next_map = random_effects.student(of_single.next_map_freedom) * of_single.next_map
         factor = random_effects.student(effects.freedom)
         own_width = {"mean": factor * effects.error, "next_map": next_map}[self.members.interval]

@@ -132,11 +132,13 @@ def varied(arguments: Mapping[str, Any], name: str, factor: float) -> dict[str, 
         lengths = {axis: factor * window[axis] for axis in window.dims}
         return {**arguments, "window": window.assign_coords(lengths)}
     is_modulus = name == _MODULUS
-    changed = stiffer(arguments, factor) if is_modulus else {**arguments, name: factor * arguments[name]}
-    if changed.get(HARDNESS):
-        heaviest = (1 - 2 * NEAR_HARDNESS) * changed[HARDNESS]
-        changed[_LOAD] = np.minimum(changed[_LOAD], heaviest)
-    return changed
+    changed_arguments = (
+        stiffer(arguments, factor) if is_modulus else {**arguments, name: factor * arguments[name]}
+    )
+    if changed_arguments.get(HARDNESS):
+        heaviest = (1 - 2 * NEAR_HARDNESS) * changed_arguments[HARDNESS]
+        changed_arguments[_LOAD] = np.minimum(changed_arguments[_LOAD], heaviest)
+    return changed_arguments
 
 
 def stiffer(arguments: Any, factor: float) -> Any:
@@ -161,8 +163,10 @@ def effect(
     (low, lower), (high, upper) = ((change, values[name]) for change, values in bounds)
     changes = np.stack([lower - value, upper - value, np.zeros(value.shape)])
     # an end that could not be solved bounds nothing
-    unsolved = np.isnan(changes).any(axis=0) & ~np.isnan(value)
-    below, above = (np.where(unsolved, np.inf, side) for side in (-changes.min(axis=0), changes.max(axis=0)))
+    unsolved_loads = np.isnan(changes).any(axis=0) & ~np.isnan(value)
+    below, above = (
+        np.where(unsolved_loads, np.inf, side) for side in (-changes.min(axis=0), changes.max(axis=0))
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = np.log(upper / lower) / (high - low)
     return below, above, np.where(np.isfinite(slope), slope, np.nan)

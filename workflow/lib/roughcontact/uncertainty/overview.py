@@ -82,13 +82,15 @@ class View(NamedTuple):
         """
         # a counterpart is not known of layered bodies, nor where the contact is full
         counterparts = (self.transfers.get(key) for key in COUNTERPARTS.get(name, ()))
-        own, *others = [self.transfers[name], *counterparts]
+        own_transfer, *counterpart_transfers = [self.transfers[name], *counterparts]
         kind = "joint" if measurand == JOINT else "surface"
-        change = getattr(own, kind)
-        further = (np.nan_to_num(getattr(other, kind)) if other else 0.0 * area for other in others)
+        change = getattr(own_transfer, kind)
+        further = (
+            np.nan_to_num(getattr(other, kind)) if other else 0.0 * area for other in counterpart_transfers
+        )
         shares, down, up = calibration.overview_arms(measurand, name, self.pixels, area, self.sees_map)
         centre = sum(share * moved for share, moved in zip(shares, (change, *further), strict=False))
-        size = expected_size(measurand, change, own.octave, own.places, gradient)
+        size = expected_size(measurand, change, own_transfer.octave, own_transfer.places, gradient)
         return np.asarray(centre), down * size, up * size
 
 
@@ -119,8 +121,8 @@ def scatter_with_overviews(
         return scatter
     fine, views = placing.measured_rectangle(levelled), []
     for overview in overviews:
-        own, sees_map = own_place(fine, overview, overviews)
-        transfers = transfers_of(result, form_order(fine), own, overview, arguments)
+        footprint, sees_map = own_place(fine, overview, overviews)
+        transfers = transfers_of(result, form_order(fine), footprint, overview, arguments)
         pixels = math.sqrt(math.prod(spacing(overview)) / math.prod(spacing(fine)))
         views.append(View(transfers, pixels, sees_map, math.prod(field_ratios(fine, overview))))
     sentences = [*(_sentence(fine, overview) for overview in overviews), _OF_MAP]
@@ -191,7 +193,7 @@ def transfers_of(
     transfers = {}
     for name in at_places:
         of_map, elsewhere, joint = at_places[name][0], at_places[name][1:-1], at_places[name][-1]
-        scatter = (np.std(each, axis=0, ddof=1) for each in (elsewhere - octave[name][1:], elsewhere))
+        scatter = (np.std(results, axis=0, ddof=1) for results in (elsewhere - octave[name][1:], elsewhere))
         transfers[name] = Transfer(elsewhere.mean(axis=0) - of_map, joint - of_map, *scatter)
     return transfers
 

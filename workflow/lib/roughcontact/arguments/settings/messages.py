@@ -102,8 +102,10 @@ def setting_error(key: str, text: str, *, case: str = "") -> SettingsError:
     # section and key, without positions in lists; a section as a whole is no setting
     setting = re.sub(r"\[\d+\]", "", key).split(".")[:2]
     is_section = len(setting) == 1 and bool(fields_at(setting))
-    place = f"cases.{case}.{key}" if case else key
-    return SettingsError(f"{place}{text}", keys=[] if is_section else [".".join(setting)], place=place)
+    dotted_name = f"cases.{case}.{key}" if case else key
+    return SettingsError(
+        f"{dotted_name}{text}", keys=[] if is_section else [".".join(setting)], place=dotted_name
+    )
 
 
 def reason(detail: ErrorDetails) -> str:

@@ -154,10 +154,10 @@ def implausible_together(raw: Mapping[str, Any], contact: Mapping[str, Any]) -> 
     if hardness is not None:
         judge(materials.doubt_of_hardness(hardness, modulus), "hardness")
     for index, load in enumerate(loads):
-        place: Location = ("force", index) if area else ("mean_pressure", index)
+        keys: Location = ("force", index) if area else ("mean_pressure", index)
         if area and carries_unit(value_at(raw, f"contact.force.{index}")):
-            place = ("area",)
-        judge(materials.doubt_of_load(load, modulus), *place)
+            keys = ("area",)
+        judge(materials.doubt_of_load(load, modulus), *keys)
     return questions
 
 

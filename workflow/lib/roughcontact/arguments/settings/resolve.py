@@ -305,19 +305,19 @@ def _mistakes_in_cases(cases: Any) -> Mistakes:
     # folders on macOS and Windows do not tell capitals apart
     small = Counter(str(name).lower() for name in cases)
     for name, overrides in cases.items():
-        place = f"cases.{name}"
+        case_key = f"cases.{name}"
         if small[str(name).lower()] > 1:
-            yield place, ": another case has this name but for capitals; rename one"
+            yield case_key, ": another case has this name but for capitals; rename one"
         if wrong := name_mistake(str(name)):
-            yield place, f": {wrong}"
+            yield case_key, f": {wrong}"
         if not isinstance(name, str):
-            yield place, ": a name is text, put it in quotes"
+            yield case_key, ": a name is text, put it in quotes"
         if not isinstance(overrides, dict):
-            yield place, f" = {overrides!r}: must be a group of settings that differ from those above"
+            yield case_key, f" = {overrides!r}: must be a group of settings that differ from those above"
             continue
         for key in _COMMON:
             if key in overrides:
-                yield f"{place}.{key}", ": is common to all cases, set it at the top"
+                yield f"{case_key}.{key}", ": is common to all cases, set it at the top"
 
 
 def _mistakes_in_alternatives(settings: Mapping[str, Any]) -> Mistakes:

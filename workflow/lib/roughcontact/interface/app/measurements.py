@@ -123,19 +123,22 @@ def cut(row: Row, line: str) -> dict[str, str]:
     """
     height = _height_map(_key(row), row["path"], **_entries(row))
     start, end = np.reshape([1e-6 * float(word) for word in line.split(",")], (2, 2))
-    x, y = (xr.DataArray(np.linspace(*ends, _CUT), dims="point") for ends in zip(start, end, strict=True))
+    x, y = (xr.DataArray(np.linspace(*bounds, _CUT), dims="point") for bounds in zip(start, end, strict=True))
     along = height.sel(x=x, y=y, method="nearest")
     lowest, span, length = along.min(), float(along.max() - along.min()), float(np.hypot(*(end - start)))
     if length > 0:
-        words, told = f"{quantity(length, 'm')} along the line, heights over ", span
+        words, height_difference = f"{quantity(length, 'm')} along the line, heights over ", span
     else:
         words = f"x {quantity(start[0], 'm')}, y {quantity(start[1], 'm')}: "
-        told = float(lowest - height.mean())
+        height_difference = float(lowest - height.mean())
     if not np.isfinite(span):
         return {"words": f"{words}not measured", "curve": ""}
     levels = 95 - 90 * (along - lowest) / (span or 1.0)
     points = [f"{n},{level:.1f}" for n, level in enumerate(levels.values) if np.isfinite(level)]
-    return {"words": f"{words}{quantity(told, 'm')}", "curve": " ".join(points) if length else ""}
+    return {
+        "words": f"{words}{quantity(height_difference, 'm')}",
+        "curve": " ".join(points) if length else "",
+    }
 
 
 def further(paths: Sequence[str], rows: Sequence[Row]) -> tuple[list[Row], str]:

@@ -83,17 +83,17 @@ class Page:
     def _rows_after(self, action: str, form: Mapping[str, str], rows: list[study.Row]) -> list[study.Row]:
         """Return the rows after the action of a button."""
         self.revision += action in _OF_ROWS
-        ticked = [row for row in rows if study.TICKED in row]
+        ticked_rows = [row for row in rows if study.TICKED in row]
         if action == "add":
             new, self.messages["add"] = measurements.further(form["page.path"].split("\n"), rows)
-            unticked = [{name: row[name] for name in row if name != study.TICKED} for row in rows]
-            return [*unticked, *({**row, study.TICKED: "on"} for row in new)]
+            unticked_rows = [{name: row[name] for name in row if name != study.TICKED} for row in rows]
+            return [*unticked_rows, *({**row, study.TICKED: "on"} for row in new)]
         if action == "set":
             cell = {form["page.column"]: form["page.cell"]}
-            return [row | cell if row in ticked else row for row in rows]
+            return [row | cell if row in ticked_rows else row for row in rows]
         if action == "remove":
-            self.omitted, self.messages["add"] = ticked, f"{len(ticked)} left out"
-            return [row for row in rows if row not in ticked]
+            self.omitted, self.messages["add"] = ticked_rows, f"{len(ticked_rows)} left out"
+            return [row for row in rows if row not in ticked_rows]
         if action == "undo":
             returned, self.omitted = self.omitted, []
             self.messages["add"] = f"{len(returned)} back"

@@ -65,8 +65,8 @@ def texts_for(job: str, texts: Mapping[str, str], aside: dict[str, str]) -> dict
     """Return the texts of a form for a question: those of another are kept `aside` until it is back."""
     aside |= {name: text for name, text in texts.items() if text and name.startswith(_LOADS)}
     of_job = [name for name in aside if name.startswith(tuple(names_of(job)))]
-    others = {name: text for name, text in texts.items() if not name.startswith(_LOADS)}
-    return others | {name: aside.pop(name) for name in of_job} | JOBS[job].get("made", {})
+    remaining_texts = {name: text for name, text in texts.items() if not name.startswith(_LOADS)}
+    return remaining_texts | {name: aside.pop(name) for name in of_job} | JOBS[job].get("made", {})
 
 
 def read_folder() -> tuple[dict[str, Any], list[Row], str]:

@@ -24,12 +24,12 @@ def sections(header: bytes) -> list[dict[str, str]]:
     >>> sections(b"\\*Ciao scan list\r\n\\Samps/line: 512\r\n\\*File list end")
     [{'name': 'ciao scan list', 'samps/line': '512'}]
     """
-    parsed = []
+    parsed_fields = []
     for body in header.partition(END)[0].decode("latin-1").split("\\*")[1:]:
         entries = re.findall(r"^\\([^:\r\n]+): ?(.*)$", body, re.MULTILINE)
         name = body.partition("\n")[0].strip().lower()
-        parsed.append({"name": name} | {key.lower(): value.strip() for key, value in entries})
-    return parsed
+        parsed_fields.append({"name": name} | {key.lower(): value.strip() for key, value in entries})
+    return parsed_fields
 
 
 def with_micro_signs(path: Path) -> str | io.BytesIO:
@@ -61,8 +61,8 @@ def corrected(channels: list[Any], path: Path) -> list[str]:
             lines = ny
         length = y * lines / ny if "slow axis size" in scan else x * _aspect(scan, nx, lines, image)
         if unread := n_bytes - lines * bytes_of_line:
-            rest = f"{unread} of the {n_bytes} bytes of channel {info.name!r}"
-            notes.append(f"{rest} are no part of its {lines} lines")
+            remainder = f"{unread} of the {n_bytes} bytes of channel {info.name!r}"
+            notes.append(f"{remainder} are no part of its {lines} lines")
         if lines == ny and abs(length / y - 1) < 1e-9:
             continue
         unit = info.unit[0] if isinstance(info.unit, tuple) else info.unit

@@ -157,8 +157,10 @@ def _wyko_instrument(data: mmap.mmap) -> dict[str, Any]:
 def _bruker_size(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count up to the end of the last block that a section of the header places."""
     blocks = nanoscope.sections(data[: max(0, data.find(nanoscope.END))])
-    placed = (block for block in blocks if "data offset" in block)
-    return max((int(block["data offset"]) + int(block["data length"]) for block in placed), default=None)
+    blocks_with_offset = (block for block in blocks if "data offset" in block)
+    return max(
+        (int(block["data offset"]) + int(block["data length"]) for block in blocks_with_offset), default=None
+    )
 
 
 def _nanosurf_size(data: mmap.mmap, header: Header, points: int) -> int | None:

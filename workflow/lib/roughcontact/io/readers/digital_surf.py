@@ -78,8 +78,8 @@ def _objects(path: Path) -> tuple[list[tuple[np.void, int]], int]:
             stream.seek(stop)
     first_header = objects[0][0]
     if first_header["type"] in _SERIES and len(objects) < first_header["objects"]:
-        stated = f"where its header states {first_header['objects']}"
-        raise InputFileError(f"{len(objects)} objects {stated}: it was cut off")
+        where_counted = f"where its header states {first_header['objects']}"
+        raise InputFileError(f"{len(objects)} objects {where_counted}: it was cut off")
     return objects, stop
 
 

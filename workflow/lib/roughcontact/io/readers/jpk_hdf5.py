@@ -77,11 +77,11 @@ def _frames(group: Any, several: bool, path: Path) -> Iterator[Channel]:
     label = prefix + _stated(group, "channel.fancy-name", _stated(group, "channel.name", array.name))
     field = [float(grid[key]) or None for key in ("ulength", "vlength")]
     lateral_unit, frames = _stated(measurement, _GRID + "unit.unit", "m"), array.shape[1]
-    more: Any = {"no_height": no_height, "notes": [_TURNED] * is_turned}
+    arguments: Any = {"no_height": no_height, "notes": [_TURNED] * is_turned}
     for frame in range(frames):
         name = f"{label} ({direction}{f', frame {frame + 1}' if frames > 1 else ''})"
         image = partial(_read, path, array.name, frame, (ny, nx), scale)
-        yield picture(name, (ny, nx), image, unit or "no unit", field, lateral_unit, **more)
+        yield picture(name, (ny, nx), image, unit or "no unit", field, lateral_unit, **arguments)
 
 
 def _read(path: Path, name: str, frame: int, shape: tuple[int, int], scale: Sequence[float]) -> np.ndarray:

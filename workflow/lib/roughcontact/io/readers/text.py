@@ -397,14 +397,14 @@ def _refuse_cut_table(shape: tuple[int, ...], counts: list[int]) -> None:
     rows, columns = shape
     total, is_whole = prod(counts), prod(counts) == rows or sorted(counts) == sorted(shape)
     if is_whole and len(counts) == 2 and columns == 1 < min(counts):
-        stated = f"{counts[0]:g} x {counts[1]:g} points"
-        raise InputFileError(f"a column of {rows} numbers, where the file says {stated}: {_ONE_LINE}")
+        stated_size = f"{counts[0]:g} x {counts[1]:g} points"
+        raise InputFileError(f"a column of {rows} numbers, where the file says {stated_size}: {_ONE_LINE}")
     if len(counts) == 1:
         # two or three columns are positions and heights, of which half may be lost
         is_whole = total <= rows or total == columns or (columns > 3 and total == rows * columns)
     if counts and not is_whole:
-        stated = " and ".join(f"{count:g}" for count in counts)
-        wrong = f"the file says {stated} points, the table has {rows} rows of {columns} numbers"
+        stated_size = " and ".join(f"{count:g}" for count in counts)
+        wrong = f"the file says {stated_size} points, the table has {rows} rows of {columns} numbers"
         raise InputFileError(f"{wrong}; it was cut off or changed")
 
 

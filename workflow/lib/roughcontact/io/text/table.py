@@ -500,8 +500,10 @@ def parse_table(rows: Rows, dialect: Dialect) -> tuple[np.ndarray, np.ndarray, b
     # a row above the table that a word keeps out of it would be a line of the map that is lost
     refuse_lost_row(rows, counts[0], dialect)
     way_out = "write NaN if the point is missing, or correct it"
-    places = [(word, f"in {counted_noun(count, 'cell')} of the table") for word, count in spoken.items()]
-    notes = [f"{word!r} occurs {where} and is taken as missing: {way_out}" for word, where in places]
+    cells_in_words = [
+        (word, f"in {counted_noun(count, 'cell')} of the table") for word, count in spoken.items()
+    ]
+    notes = [f"{word!r} occurs {where} and is taken as missing: {way_out}" for word, where in cells_in_words]
     short = bool(rows.label) or lacks_corner
     return values, empty, short or not texts[0].split(delimiter)[0].strip(), short, notes
 
@@ -665,9 +667,9 @@ def thousands(by_meaning: Stated, body: list[str], dialect: Dialect) -> list[str
         return []
     example = next(iter(examples[True].values()))
     if conflict := examples[True].keys() & examples[False].keys():
-        both = f"{example!r} and {examples[False][min(conflict)]!r} in one table"
+        conflict_in_words = f"{example!r} and {examples[False][min(conflict)]!r} in one table"
         wrong = f"with three digits behind every {sign!r}: it separates thousands or decimals"
-        raise InputFileError(f"{both}, {wrong}; {WITHOUT_THOUSANDS}, or with four decimals")
+        raise InputFileError(f"{conflict_in_words}, {wrong}; {WITHOUT_THOUSANDS}, or with four decimals")
     doubt = f"every number has three digits behind its {sign!r}, as in {example!r}: it is read as the decimal"
     return [f"{doubt} sign; if it separates thousands, {WITHOUT_THOUSANDS}"]
 
@@ -678,9 +680,9 @@ def _refuse_both_marks(body: list[str]) -> None:
     if not any("." in line and number.search(line) for line in body):
         return
     matches = [match for line in body for match in number.finditer(line)]
-    first = {match[1]: match[0] for match in reversed(matches)}
+    first_examples = {match[1]: match[0] for match in reversed(matches)}
     lengths = {mark: {len(match[2]) for match in matches if match[1] == mark} for mark in ".,"}
-    if len(first) == 2 and {3} in lengths.values():
-        both = f"{first[',']!r} and {first['.']!r} in one table"
+    if len(first_examples) == 2 and {3} in lengths.values():
+        conflict_in_words = f"{first_examples[',']!r} and {first_examples['.']!r} in one table"
         wrong = "either mark may be the decimal sign or separate thousands"
-        raise InputFileError(f"{both}: {wrong}; {WITHOUT_THOUSANDS}")
+        raise InputFileError(f"{conflict_in_words}: {wrong}; {WITHOUT_THOUSANDS}")

@@ -35,8 +35,8 @@ def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: floa
     factors, driven = np.zeros((2, 2)), np.zeros(2)
     if axes.size:
         is_open = around[region].any(axis=-1)  # pockets that no flow passes have no part in it
-        passed = np.where(is_open, gap, 0) / gap.mean()
-        factors[np.ix_(axes, axes)], driven[axes] = _tensor(passed, steps, axes, tolerance)
+        open_gap = np.where(is_open, gap, 0) / gap.mean()
+        factors[np.ix_(axes, axes)], driven[axes] = _tensor(open_gap, steps, axes, tolerance)
     return {
         "flow_factor_xx": factors[1, 1],
         "flow_factor_yy": factors[0, 0],

@@ -130,9 +130,9 @@ _CHECKS: dict[str, Callable[[str], object]] = {
 
 def mistakes_in_cells(row: Mapping[str, str]) -> Iterator[Mistake]:
     """Yield what is wrong with the cells of a row, each by itself and beside another that excludes it."""
-    for (key, other), why in _EXCLUSIVE.items():
-        if row[key] and row[other]:
-            sentence = why.format(name=row["surface"], other=other, cell=row[other])
+    for (key, excluded), why in _EXCLUSIVE.items():
+        if row[key] and row[excluded]:
+            sentence = why.format(name=row["surface"], other=excluded, cell=row[excluded])
             yield key, f"{key} = {row[key]}: {sentence}"
     for key, check in _CHECKS.items():
         try:

@@ -30,7 +30,7 @@ def _mistakes_in_references(surfaces: Mapping[str, Surface]) -> Iterator[Setting
                 reference in surfaces and name != reference and not pairs & {name, reference}
             ):
                 continue
-            singles = [other for other in surfaces if other != name and other not in pairs]
+            singles = [single for single in surfaces if single != name and single not in pairs]
             wrong = f"is no other surface of the table; {nearest(reference, singles)}"
             if pairs & {name, reference}:
                 pair = name if name in pairs else reference
@@ -90,18 +90,20 @@ def with_other_maps(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
     of one specimen, unless the table states some.
     """
     rows = dict(surfaces)
-    first = {name: _first_repeated(surfaces, name) for name in surfaces}
+    first_maps = {name: _first_repeated(surfaces, name) for name in surfaces}
     partners = {row.repeat_of: name for name, row in reversed([*surfaces.items()]) if row.repeat_of}
     partners |= {name: row.repeat_of for name, row in surfaces.items() if row.repeat_of}
     for name, partner in partners.items():
         row, specimens = surfaces[name], {surfaces[key].specimen for key in (name, partner)}
-        repeats = [key for key in surfaces if first[key] == first[name] and key not in (name, partner)]
+        repeats = [
+            key for key in surfaces if first_maps[key] == first_maps[name] and key not in (name, partner)
+        ]
         maps = [_as_other_map(surfaces[key]) for key in (partner, *repeats)]
         is_one_specimen = row.group and row.group == surfaces[partner].group and specimens == {""}
         rows[name] = replace(
             row,
             read_arguments={"repeats": maps, **row.read_arguments},
-            specimen=first[name] if is_one_specimen else row.specimen,
+            specimen=first_maps[name] if is_one_specimen else row.specimen,
         )
     for names in _places(surfaces):
         maps = [_as_other_map(surfaces[key]) | _name_of_earlier(surfaces[key]) for key in names]
@@ -112,14 +114,14 @@ def with_other_maps(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
 
 def _places(surfaces: Mapping[str, Surface]) -> list[list[str]]:
     """Return the surfaces of each place to which something was done, in the order of time."""
-    places: dict[str, list[str]] = {}
+    maps_by_name: dict[str, list[str]] = {}
     for name in _in_order(surfaces):
         earlier = _name_of_earlier(surfaces[name]).get("earlier")
-        places[name] = places[earlier] if earlier else []
-        places[name].append(name)
+        maps_by_name[name] = maps_by_name[earlier] if earlier else []
+        maps_by_name[name].append(name)
     return [
         names
-        for name, names in places.items()
+        for name, names in maps_by_name.items()
         if name == names[0] and any(surfaces[key].before for key in names)
     ]
 

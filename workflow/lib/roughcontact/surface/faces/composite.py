@@ -159,8 +159,8 @@ def _attributes(lower: Face, upper: Face, on_filled: np.ndarray) -> dict:
             where = f"the {attrs['first_row']} of the picture"
             warnings.append(f"{name}: the first row is taken as {where}; if it is not, give first_row")
         facts += [f"{name}: {fact}" for fact in json_attribute(attrs, "ingest_facts")]
-        found = json_attribute(attrs, "ingest_spikes")
-        spikes |= {f"{name}: {spike}": f"{name}: {text}" for spike, text in found.items()}
+        spike_counts = json_attribute(attrs, "ingest_spikes")
+        spikes |= {f"{name}: {spike}": f"{name}: {text}" for spike, text in spike_counts.items()}
     attrs_of_faces = lower_attrs, upper_attrs
     # the sum has the rows of the worse face
     with_jitter = max(attrs_of_faces, key=lambda attrs: attrs.get("row_jitter", 0.0))

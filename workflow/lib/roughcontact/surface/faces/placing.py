@@ -142,8 +142,8 @@ def frame_of_place(overview: xr.DataArray, fine: xr.DataArray) -> tuple[float, f
         return None
     side_y, side_x = _sides(place, fine)
     dy, dx = spacing(overview)
-    left = place.x - float(overview["x"][0]) + dx / 2 - side_x / 2
-    return left, place.y - float(overview["y"][0]) + dy / 2 - side_y / 2, side_x, side_y
+    left_edge = place.x - float(overview["x"][0]) + dx / 2 - side_x / 2
+    return left_edge, place.y - float(overview["y"][0]) + dy / 2 - side_y / 2, side_x, side_y
 
 
 def _sides(place: Place, fine: xr.DataArray) -> tuple[float, float]:

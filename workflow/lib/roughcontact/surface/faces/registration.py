@@ -70,12 +70,14 @@ def common_part(maps: Mapping[str, xr.DataArray], earlier: Mapping[str, str], na
     height = maps[name]
     if min(dimensions(field.shape) for field in maps.values()) < 2:
         return height
-    registrations = {member: registered(maps[member], maps[before]) for member, before in earlier.items()}
+    registrations = {
+        member: registered(maps[member], maps[reference]) for member, reference in earlier.items()
+    }
     shifts: dict[str, np.ndarray] = {}
     for member in maps:
         # positions in the map that came first, step by step along the order of time
-        before = earlier.get(member)
-        shifts[member] = shifts[before] + registrations[member][0] if before else np.zeros(2)
+        reference = earlier.get(member)
+        shifts[member] = shifts[reference] + registrations[member][0] if reference else np.zeros(2)
     cuts = {}
     for row, axis in enumerate("yx"):
         starts, stops = (

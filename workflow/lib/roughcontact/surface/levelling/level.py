@@ -199,11 +199,13 @@ def _check_options(form: str, order: int, line_alignment: str, fill: str, max_mi
         raise SettingsError(f"level.max_missing = {max_missing!r}: give a share from 0 to 1")
 
 
-def _check_positive(kept: str, **options: float | None) -> None:
+def _check_positive(what_stays: str, **options: float | None) -> None:
     """Raise SettingsError for an option that is neither positive nor None, by which something is `kept`."""
     for name, value in options.items():
         if value is not None and not 0 < value < np.inf:
-            raise SettingsError(f"level.{name} = {value!r}: give a positive number, or null to keep {kept}")
+            raise SettingsError(
+                f"level.{name} = {value!r}: give a positive number, or null to keep {what_stays}"
+            )
 
 
 def _check_nesting_indices(height: xr.DataArray, short: float | None, long: float | None) -> None:

@@ -113,9 +113,9 @@ class _Basis:
     """Legendre polynomials P_j(Y) P_i(X), j + i <= order, of coordinates (y, x) mapped to [-1, 1]."""
 
     def __init__(self, coordinates: Sequence[np.ndarray], order: int):
-        ends = [(float(c[0]), float(c[-1])) for c in coordinates]
-        self.middle = [(start + stop) / 2 for start, stop in ends]
-        self.half = [(stop - start) / 2 or 1.0 for start, stop in ends]  # 1 for a single line
+        limits = [(float(c[0]), float(c[-1])) for c in coordinates]
+        self.middle = [(start + stop) / 2 for start, stop in limits]
+        self.half = [(stop - start) / 2 or 1.0 for start, stop in limits]  # 1 for a single line
         self.axes = [  # (points, orders along the axis)
             legendre.legvander((np.asarray(c, dtype=float) - middle) / half, min(order, len(c) - 1))
             for c, middle, half in zip(coordinates, self.middle, self.half, strict=True)

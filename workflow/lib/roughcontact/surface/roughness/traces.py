@@ -70,7 +70,10 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     floor, top = _floor(power, frequency)
     curvatures, seconds = _curvatures(values, steps)
     # of white noise second differences have six times the variance of the heights
-    noise = [np.mean(second**2) * d**4 / 6 for second, d in zip(seconds, steps[-len(seconds) :], strict=True)]
+    noise = [
+        np.mean(second_difference**2) * d**4 / 6
+        for second_difference, d in zip(seconds, steps[-len(seconds) :], strict=True)
+    ]
     return {
         "spectrum_exponent": float(exponents.min()) - profile,
         # a frequency of 1 is two pixels
@@ -197,7 +200,7 @@ def _curvatures(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[np
     # the normal is tilted against the z axis
     length = np.sqrt(1 + sum(slope**2 for slope in slopes))
     sections = zip(slopes, seconds, strict=True)
-    return [second / (1 + slope**2) / length for slope, second in sections], seconds
+    return [second_difference / (1 + slope**2) / length for slope, second_difference in sections], seconds
 
 
 def _roundness(curvature: np.ndarray) -> float:

@@ -205,8 +205,8 @@ def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
         neighbourhood = around[start : start + len(block) + 2 * halves[0]]
         # a shift that lowers no point of the block need not be tried
         for i, j in np.argwhere((above < block.max() - neighbourhood.min()) & (above < tip_radius)):
-            shifted = neighbourhood[i : i + block.shape[0], j : j + block.shape[1]]
-            np.minimum(block, shifted + above[i, j], out=block)
+            shifted_block = neighbourhood[i : i + block.shape[0], j : j + block.shape[1]]
+            np.minimum(block, shifted_block + above[i, j], out=block)
     return window.copy(data=surface)
 
 
