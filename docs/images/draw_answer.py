@@ -39,8 +39,9 @@ def answers(statistics: xr.Dataset) -> list[tuple[str, str]]:
     rows, load = [], load_shown(statistics)
     for name, words, unit in ANSWERS:
         value = number_text(statistics, name, unit, load).split()[0]
-        _, lower, upper = interval_at(statistics, name, load)
-        rows.append((f"{value} {unit.symbol}", f"{words}: {unit.ends(lower, upper)}"))
+        decimals = len(value.partition(".")[2])  # the ends have those of the value
+        ends = (f"{unit.factor * end:.{decimals}f}" for end in interval_at(statistics, name, load)[1:])
+        rows.append((f"{value} {unit.symbol}", f"{words}: {' to '.join(ends)} {unit.symbol}"))
     return rows
 
 
