@@ -14,7 +14,11 @@ import xarray as xr
 from scipy import ndimage
 
 from roughcontact.arguments.maps import height_map, pitches
-from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.surface.synthetic import (
+    rough_reference_surface,
+    self_affine_surface,
+    with_deep_valleys,
+)
 
 _DATE = datetime(2024, 1, 1, tzinfo=UTC)
 _QUANTUM = 1e-10  # m; every instrument has one, and it hides the rounding of the Fourier transform
@@ -145,10 +149,7 @@ def ground():
     heights = self_affine_surface(
         (320, 512), (2e-6, 1e-6), hurst=0.75, **band, rms_height=0.4e-6, stretch=8.0, seed=4
     ).values
-    # a power of the depth: flattened summits, deep scratches
-    depth = (heights.max() - heights) ** 1.4
-    heights = depth.mean() - depth
-    heights *= 0.4e-6 / heights.std()
+    heights = with_deep_valleys(heights, power=1.4, rms_height=0.4e-6)
     # a part of a larger periodic surface: its edges do not meet
     return quantised(heights[60:220, 100:356])
 

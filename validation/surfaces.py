@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.maps import height_map, pitches
-from roughcontact.surface.synthetic import self_affine_surface
+from roughcontact.surface.synthetic import self_affine_surface, with_deep_valleys
 
 
 def ground_surface(
@@ -69,10 +69,7 @@ def ground_surface(
         seed=seed,
     ).values
     if skewness_power != 1.0:
-        # a power of the depth: flattened summits, deep scratches
-        depth = (heights.max() - heights) ** skewness_power
-        heights = depth.mean() - depth
-        heights *= rms_height / heights.std()
+        heights = with_deep_valleys(heights, power=skewness_power, rms_height=rms_height)
     return height_map(heights, spacing, unit="m", instrument={"generator": "ground", "seed": int(seed)})
 
 

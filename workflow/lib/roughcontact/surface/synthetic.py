@@ -107,6 +107,31 @@ def self_affine_surface(
     )
 
 
+def with_deep_valleys(heights: np.ndarray, *, power: float, rms_height: float) -> np.ndarray:
+    """Return heights (m) with flatter summits and deeper valleys, as grinding and honing leave them.
+
+    Parameters
+    ----------
+    heights : ndarray (ny, nx), m
+    power : float
+        to which the depths below the highest point are raised.
+    rms_height : float, m
+        of the result, about its mean.
+
+    Returns
+    -------
+    ndarray (ny, nx), m
+
+    Examples
+    --------
+    >>> print(np.round(with_deep_valleys(np.array([[0.0, 1.0, 2.0]]), power=2.0, rms_height=1.0), 2))
+    [[-1.37  0.39  0.98]]
+    """
+    depth = (heights.max() - heights) ** power
+    deeper = depth.mean() - depth
+    return deeper * (rms_height / deeper.std())
+
+
 def rough_reference_surface(points: int) -> xr.DataArray:
     """Return the periodic rough surface that the reference solutions are known for, of unit side.
 
