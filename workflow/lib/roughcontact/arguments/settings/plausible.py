@@ -4,6 +4,7 @@ A bare number is in the base unit. A value with its unit is never questioned.
 """
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
@@ -24,16 +25,16 @@ _OF_FORCES: dict[str | int, str] = {"force": "N", "area": "m2"}
 _BARE_NUMBER_RULE = "A bare number is in {unit}: write the unit behind it, even if the number is correct"
 
 
-class Spelling:
+class Spelling(ABC):
     """Further ways to write a value of a field type: how they are read, and their place in the schema."""
 
     def convert(self, value: Any) -> Any:
         """Return a value as the field has it."""
         return value
 
+    @abstractmethod
     def widen(self, schema: JsonSchemaValue) -> JsonSchemaValue:
         """Return the schema that admits them as well."""
-        raise NotImplementedError
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return no_info_before_validator_function(self.convert, handler(source))
