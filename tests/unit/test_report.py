@@ -125,7 +125,7 @@ def page(tmp_path_factory):
         run_surface(folder, "flat", flat, loads=[1e6, 2e6]),
         run_surface(folder, "sparse", rough(3).assign_attrs(instrument=INSTRUMENT), keep_fields=False),
     ]
-    return assemble(folder, runs, title="Four <surfaces>")
+    return assemble(folder, runs, title="Four <surfaces>\u202egnp.")
 
 
 # --- the page ----------------------------------------------------------------------------------------------
@@ -136,7 +136,8 @@ def test_page_is_self_contained_and_complete(page):
     for surface in SURFACES:
         assert text.count(f'id="surface-{surface}"') == 1
         assert f'href="#surface-{surface}"' in text
-    assert "<title>Four &lt;surfaces&gt;</title>" in text
+    assert "<title>Four &lt;surfaces&gt;\\u202egnp.</title>" in text
+    assert "\u202e" not in text
     assert '<p class="note">contact modulus E* = 2.00 GPa; loads planned for each map</p>' in text
     assert "&lt;b&gt;&amp;" in text
     sources = re.findall(r'(?:src|href)="([^"]*)"', text)
@@ -212,7 +213,7 @@ def test_page_is_the_same_a_second_time(page):
         finished=finished,
         statistics=read_dataset(page.parent / "statistics.nc"),
         summary=(page.parent / "summary.csv").read_text("utf-8"),
-        title="Four <surfaces>",
+        title="Four <surfaces>\u202egnp.",
         settings=SETTINGS,
     )
     assert page.with_name("again.html").read_bytes() == page.read_bytes()
@@ -861,6 +862,7 @@ def test_labels_of_charts_have_six_points_in_print(page):
 
 def test_exponents_are_raised_in_escaped_texts():
     raised = template("report.css").environment.filters["raised"]
+    assert raised("\u202e") == "\\u202e"
     assert raised("<b> q^−16. As q^−5.3: x") == "&lt;b&gt; q<sup>−16</sup>. As q<sup>−5.3</sup>: x"
 
 

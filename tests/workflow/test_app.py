@@ -1296,12 +1296,15 @@ class TestPages:
                     assert browser.evaluate("document.querySelector('#preview').open")
 
     def test_odd_names_of_files(self, tmp_path, browser):
-        """Marks of HTML, of shells and of addresses are no more than letters of a name."""
+        """Marks of HTML, of shells, of addresses and of directions are no more than letters of a name."""
         files = []
         for name in (
             "a 'quote\".npy",
             "<script>alert(1)<!--.npy",
             "Grüße.npy",
+            "a\u202eypn.exe.npy",
+            "משטח 3.npy",
+            f"{'long-' * 49}.npy",
             "a&b=c#d%20?.npy",
             "-dash.npy",
         ):
@@ -1311,11 +1314,21 @@ class TestPages:
         with served(study) as address:
             browser.open(address)
             browser.choose_files("#choose", *files)
-            rows_read(browser, 5)
+            rows_read(browser, 8)
             paths = browser.evaluate(
                 "[...document.querySelectorAll('[name$=path]')].map(field => field.value)"
             )
             assert sorted(filter(None, paths)) == sorted(f"measured/{path.name}" for path in files)
+            # they are shown in the order of their letters, what turns it as an escape
+            fill(browser, "report.title", "a title \u202e<b>")
+            saved(browser)
+            shown = browser.evaluate("document.body.innerText + document.querySelector('#preview').innerText")
+            assert "measured/a\\u202eypn.exe.npy" in shown
+            assert "{title: a title \\u202e<b>}" in browser.text("#preview")
+            assert "\u202e" not in shown
+            assert browser.evaluate("document.getElementById('report.title').value") == "a title \u202e<b>"
+            browser.resize(400)
+            assert browser.evaluate("document.documentElement.scrollWidth") <= 400
             assert browser.evaluate("document.scripts.length") == 1
             assert browser.text("#problem") == ""
             assert browser.problems == []

@@ -3,7 +3,10 @@
 Every message names the file or the key, the value that is wrong, and the way out.
 """
 
+import re
 from collections.abc import Sequence
+
+_TURNING = re.compile("[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")  # by Unicode's UAX 9
 
 
 class RoughContactError(Exception):
@@ -86,3 +89,14 @@ def path_message(error: Exception, path: str, origin: str = "") -> str:
     """
     text = str(error).removeprefix(f"{path}: ").removeprefix(f"{path.rpartition('/')[2]}: ")
     return f"{path}: {text}" + (f" ({origin})" if origin and origin not in text else "")
+
+
+def turns_escaped(text: str) -> str:
+    r"""Return a text in which marks that turn its direction, as of a file's name, are shown as escapes.
+
+    Examples
+    --------
+    >>> turns_escaped("a\u202ecod.exe")
+    'a\\u202ecod.exe'
+    """
+    return _TURNING.sub(lambda mark: f"\\u{ord(mark[0]):04x}", text)

@@ -7,7 +7,6 @@ error), 130 interrupted, 143 terminated, 141 the reader of the output has closed
 import argparse
 import errno
 import os
-import re
 import shlex
 import sys
 import warnings
@@ -23,6 +22,7 @@ from roughcontact.errors import (
     InputFileError,
     RoughContactError,
     SettingsError,
+    turns_escaped,
 )
 from roughcontact.interface.command_line.words import with_units
 from roughcontact.study.garbage import collect_rarely
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _BROKEN_PIPE = 141  # exit status that a shell reports for a program ended by SIGPIPE
-_TURNING = re.compile("[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")  # by Unicode's UAX 9
 _DESCRIPTION = (
     "True contact area and contact pressures of measured surfaces: of one map, or of a whole study."
 )
@@ -85,7 +84,7 @@ class _Escaping:
 
     def write(self, text: str) -> int:
         """Write a text."""
-        return int(self._stream.write(_TURNING.sub(lambda mark: f"\\u{ord(mark[0]):04x}", text)))
+        return int(self._stream.write(turns_escaped(text)))
 
 
 class _Parser(argparse.ArgumentParser):

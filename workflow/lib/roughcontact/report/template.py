@@ -14,6 +14,7 @@ from markupsafe import Markup, escape
 
 from roughcontact.arguments import quantities
 from roughcontact.arguments.quantities import number, percent, quantity
+from roughcontact.errors import turns_escaped
 
 if TYPE_CHECKING:
     import jinja2
@@ -59,6 +60,7 @@ def _environment(folder: Path | None) -> "jinja2.Environment":
         loader=jinja2.FileSystemLoader(folders),
         autoescape=jinja2.select_autoescape(("html", "svg")),
         undefined=jinja2.StrictUndefined,
+        finalize=_shown,
         trim_blocks=True,
         lstrip_blocks=True,
         bytecode_cache=None if sys.dont_write_bytecode else _bytecode_cache(),
@@ -91,9 +93,14 @@ def _bytecode_cache() -> "jinja2.BytecodeCache":
     return Cache(str(Path(cache_from_source(__file__)).parent), f"template.{digest}-%s.pyc")
 
 
+def _shown(value: Any) -> Any:
+    """Return a value as a page shows it: a name of somebody else's turns no text that stands beside it."""
+    return turns_escaped(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+
+
 def _raised(text: str) -> Markup:
     """Return a text as markup: exponents as in q^−3 are raised, keys of settings in brackets are small."""
-    markup = re.sub(r"\^(−?[\d.]*\d)", r"<sup>\1</sup>", str(escape(text)))
+    markup = re.sub(r"\^(−?[\d.]*\d)", r"<sup>\1</sup>", str(escape(turns_escaped(text))))
     return Markup(re.sub(rf"\((?:{_KEY}(?:, | or )?)+\)", r'<span class="key">\g<0></span>', markup))
 
 
