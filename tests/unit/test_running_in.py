@@ -202,7 +202,7 @@ def test_a_layer_of_either_body_is_not_worn_through_without_a_word(face, far):
     worn = run(face, [0.01 * far], modulus=None, bodies=bodies, tolerance=0.1)
     assert float(worn["max_worn_depth"][0]) < 1e-7
     message = (
-        r"after 2\.\d+ m .* has lost .* m, and the outermost layer of the {} body is 1e-07 m thick; give"
+        r"after 2\.\d+ m .* has lost .* nm, and the outermost layer of the {} body is 100 nm thick; give"
     )
     for which, order in (("first", bodies), ("second", bodies[::-1])):
         with pytest.raises(rc.SettingsError, match=message.format(which)):

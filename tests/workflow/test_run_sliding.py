@@ -5,6 +5,7 @@ import pytest
 from small_project import project_of_cases
 
 from roughcontact.arguments.answers import FRICTION
+from roughcontact.report.summary import read_summary
 from roughcontact.results.storage import read_dataset
 
 CONTACT = {"bodies": [{"relaxation": "dma.csv"}, "rigid"], "mean_pressure": ["20 kPa", "50 kPa"]}
@@ -36,6 +37,9 @@ def test_sliding_goes_from_the_settings_to_the_page(tmp_path, checkout):
     assert float(slid["mean_pressure"]) == 5e4  # the largest load
     assert (slid[f"{FRICTION}_lower"] <= slid[FRICTION]).all()
     assert (slid[FRICTION] <= slid[f"{FRICTION}_upper"]).all()
+    answer = read_summary(project.path("results/rubber/ground/panel.html"))["answer"]
+    assert answer.startswith("At 50.0 kPa the friction of the hysteresis is highest at ")
+    assert ". At rest, at 50.0 kPa: contact area " in answer
     page = project.path("results/report.html").read_text()
     section = page[page.index('<section id="sliding">') :]
     assert section.count("the friction of the hysteresis is highest at") == 1

@@ -146,6 +146,7 @@ rule panel:
         overview=file_of("overview"),
         contact=file_of("contact"),
         statistics="results/{result}/statistics.nc",
+        courses=files_after,
     output:
         panel=shown(
             "results/{result}/panel.html", "surface_panel", "figures and checks"
@@ -178,6 +179,7 @@ rule unload:
         "logs/{result}/unload.log",
     wildcard_constraints:
         result=pattern_of("unload"),
+    priority: 1  # the panel waits for it
     conda:
         "../envs/roughcontact.yaml"
     threads: threads_of()
@@ -202,6 +204,7 @@ rule wear:
         "logs/{result}/wear.log",
     wildcard_constraints:
         result=pattern_of("wear"),
+    priority: 1  # the panel waits for it
     conda:
         "../envs/roughcontact.yaml"
     threads: threads_of()
@@ -227,6 +230,7 @@ rule slide:
         "logs/{result}/slide.log",
     wildcard_constraints:
         result=pattern_of("slide"),
+    priority: 1  # the panel waits for it
     conda:
         "../envs/roughcontact.yaml"
     threads: threads_of()

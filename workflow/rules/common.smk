@@ -70,6 +70,7 @@ except SettingsError as error:
 ARGUMENTS = RuleArguments(PLAN, ROOT / "workflow/scripts")
 pattern_of, file_of, params_of = PLAN.pattern, ARGUMENTS.file_of, ARGUMENTS.params_of
 resources_of, threads_of = ARGUMENTS.resources_of, ARGUMENTS.threads_of
+files_after = ARGUMENTS.files_after()
 # jobs run without the note
 REPLACED = replaced_files() if workflow.is_main_process else []
 

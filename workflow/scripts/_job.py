@@ -27,6 +27,8 @@ from roughcontact.study.notes import write_notes
 from roughcontact.study.places import check_dates
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import xarray as xr
 
     from roughcontact.results.storage import LoadByLoad
@@ -156,6 +158,22 @@ def save(
         into.complete(result)
     else:
         write_dataset(result, path)
+
+
+def save_course(
+    course: "Callable[[], xr.Dataset]", path: str, settings: dict, *, source: dict[str, Any]
+) -> None:
+    """Write what a course comes to, or why it comes to nothing, so that what precedes it is not lost."""
+    from xarray import Dataset
+
+    from roughcontact.results.storage import FAILURE
+
+    try:
+        result = course()
+    except RoughContactError as error:
+        warn(str(error))
+        result = Dataset(attrs={FAILURE: str(error)})
+    save(result, path, settings, source=source)
 
 
 def _check_inputs() -> None:

@@ -15,6 +15,7 @@ write_panel(
     surface=surface,
     case=case or None,
     settings=snakemake.params.settings["statistics"],
+    courses=paths.courses,
     counter_faces=[paths.counter_height] if paths.counter_height else [],
     **files,
 )

@@ -1,6 +1,8 @@
 """Let rubber slide over the face: window.nc to sliding.nc, friction and contact over the speed."""
 
-from _job import save, snakemake
+from functools import partial
+
+from _job import save_course, snakemake
 from _window import window_as_measured
 
 from roughcontact.evaluation.courses import slid_in_a_run
@@ -12,7 +14,8 @@ window = read_dataset(paths.window)["height"]
 with opened_dataset(paths.contact) as contact:
     load = settings["sliding"]["mean_pressure"] or float(contact["mean_pressure"].max())
 with opened_dataset(paths.levelled) as levelled:  # read for an overview alone
-    slid = slid_in_a_run(
+    slid = partial(
+        slid_in_a_run,
         window,
         settings,
         mean_pressure=load,
@@ -21,4 +24,4 @@ with opened_dataset(paths.levelled) as levelled:  # read for an overview alone
         overviews=separate_overviews(read_dataset(paths.overview)) if paths.overview else (),
         threads=snakemake.threads,
     )
-save(slid, snakemake.output.sliding, settings, source=window.attrs)
+save_course(slid, snakemake.output.sliding, settings, source=window.attrs)

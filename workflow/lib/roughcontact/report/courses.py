@@ -6,7 +6,7 @@ Each is a part of the page: charts and sentences of a file beside the statistics
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,7 @@ from roughcontact.arguments.relaxation import MAX_MISFIT
 from roughcontact.report.charts import COLOURS, DASHED, Axis, Chart, curves_chart, load_label, log_axis
 from roughcontact.report.template import sentence
 from roughcontact.report.units import interval_values, length_unit, unit_of
-from roughcontact.results.storage import read_dataset
+from roughcontact.results.storage import FAILURE, opened_dataset
 from roughcontact.statistics.decisions import CLOSED
 
 _UNLOADED = (
@@ -33,7 +33,15 @@ _FRICTIONS = {
 WARM = 10.0  # K, by which the loss of a rubber shifts by half a decade of frequency
 _BEFORE = {"wear": "Before sliding", "sliding": "At rest"}  # part -> the contact of which all else is
 
-Part = tuple[dict[str, Chart], list[str]]  # charts by label, sentences
+Charts = dict[str, Chart]  # by their labels
+
+
+class _Course(NamedTuple):
+    """A part of the page, and what makes its text and charts of the statistics and of its file."""
+
+    part: str
+    text: Callable[[xr.Dataset, xr.Dataset], list[str]]
+    charts: Callable[[xr.Dataset, xr.Dataset], Charts]
 
 
 def course_sections(name: str, loading: xr.Dataset, results: Path, folder: Path) -> dict[str, dict[str, Any]]:
@@ -42,42 +50,54 @@ def course_sections(name: str, loading: xr.Dataset, results: Path, folder: Path)
     `loading` are the statistics, loads rising, `results` is the folder of the result, `folder` of the page.
     """
     sections = {}
-    for part, (file, content) in _COURSES.items():
-        if (path := results / file).is_file():
-            charts, sentences = content(loading, read_dataset(path))
+    for path in (results / file for file in _COURSES if (results / file).is_file()):
+        with opened_dataset(path) as over:
+            charts = {} if FAILURE in over.attrs else _COURSES[path.name].charts(loading, over)
             images = {label: chart.source() for label, chart in charts.items()}
-            link = Path(os.path.relpath(path, folder)).as_posix()
-            sections[part] = {"name": name, "images": images, "sentences": sentences, "link": link}
+        link = Path(os.path.relpath(path, folder)).as_posix()
+        part, text = course_text(loading, path)
+        sections[part] = {"name": name, "images": images, "sentences": text, "link": link}
     return sections
 
 
-def answer_with_courses(line: str, courses: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return the answer of a surface before its `line` of the contact at rest: that of wear or of sliding.
+def course_text(loading: xr.Dataset, path: Path) -> tuple[str, list[str]]:
+    """Return the part of the page that a file is, and its sentences, or why there are none."""
+    part, text, _ = _COURSES[path.name]
+    with opened_dataset(path) as over:
+        if reason := over.attrs.get(FAILURE):
+            return part, [f"{part.capitalize()} is not known: {reason}."]
+        return part, text(loading, over)
+
+
+def answer_with_courses(line: str, texts: Mapping[str, Sequence[str]]) -> str:
+    """Return the answer of a surface: those of wear and sliding, then its `line` of the contact at rest.
 
     Examples
     --------
-    >>> answer_with_courses("At 1 MPa: ...", {"wear": {"sentences": ["Run in after 3 m: so. Proven: that."]}})
+    >>> answer_with_courses("At 1 MPa: ...", {"wear": ["Run in after 3 m: so. Proven: that."]})
     'Run in after 3 m: so. Before sliding, at 1 MPa: ...'
     """
-    for name, before in _BEFORE.items():
-        if name in courses:
-            first, *_ = courses[name]["sentences"][0].partition(". ")
+    for part, before in _BEFORE.items():
+        if part in texts:
+            first, *_ = texts[part][0].removesuffix(".").partition(". ")
             line = f"{first}. {before}, {line[:1].lower()}{line[1:]}" if line else f"{first}."
     return line
 
 
-def _unloading(loading: xr.Dataset, residual: xr.Dataset) -> Part:
-    """Return charts of both ways of the load, and a sentence for each peak."""
+def _unloading_charts(loading: xr.Dataset, residual: xr.Dataset) -> Charts:
+    """Draw both ways of the load."""
+    ways = _ways(loading, residual)
+    charts = {TITLES[result]: _loading_and_unloading(ways, result) for result in _UNLOADED}
+    return {label: chart for label, chart in charts.items() if chart}
+
+
+def _ways(loading: xr.Dataset, residual: xr.Dataset) -> list[xr.Dataset]:
+    """Return loading, and unloading from each peak."""
     suffix = "_as_solved"  # the way back has no correction for the grid either
     as_solved = {key.removesuffix(suffix): loading[key] for key in map(str, loading) if key.endswith(suffix)}
-    loading = loading.assign(as_solved).sortby("mean_pressure")
     peaks = _along(residual, "peak")
     unloadings = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
-    lines_drawn = {
-        TITLES[result]: _loading_and_unloading([loading, *unloadings], result) for result in _UNLOADED
-    }
-    sentences = [_lowered(loading, unloading) for unloading in unloadings]
-    return {label: chart for label, chart in lines_drawn.items() if chart}, sentences
+    return [loading.assign(as_solved).sortby("mean_pressure"), *unloadings]
 
 
 def _loading_and_unloading(ways: Sequence[xr.Dataset], result: str) -> Chart | None:
@@ -97,6 +117,12 @@ def _loading_and_unloading(ways: Sequence[xr.Dataset], result: str) -> Chart | N
     return chart
 
 
+def _unloading_text(loading: xr.Dataset, residual: xr.Dataset) -> list[str]:
+    """Return a sentence for each peak."""
+    loading, *unloadings = _ways(loading, residual)
+    return [_lowered(loading, unloading) for unloading in unloadings]
+
+
 def _lowered(loading: xr.Dataset, unloading: xr.Dataset) -> str:
     """Return what flow has lowered by how much, and the area of both ways at the lowest load, in words."""
     lightest = unloading.isel(load=int(np.argmin(unloading["mean_pressure"].values)))
@@ -106,16 +132,26 @@ def _lowered(loading: xr.Dataset, unloading: xr.Dataset) -> str:
     return sentence("flow_has_lowered", _scalars(unloading), load, areas)
 
 
-def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
-    """Return charts of friction and contact over the speed, and the sentence of the friction.
+def _sliding_text(_: xr.Dataset, over: xr.Dataset) -> list[str]:
+    """Return the sentence of the friction."""
+    ways, highest, first = _highest(over)
+    others = [_scalars(way) for way in highest if way is not highest[first]]
+    misfit = float(over.attrs["relaxation_misfit"])  # of the table from every linear material
+    return [sentence("slides", _scalars(highest[first]), others, misfit, MAX_MISFIT, _warm_from(ways[first]))]
 
-    Of several directions all but the friction is of the one with the largest.
-    """
-    from roughcontact.report.map_plots import pressure_map  # with all that levels maps, for few pages
 
+def _highest(over: xr.Dataset) -> tuple[list[xr.Dataset], list[xr.Dataset], int]:
+    """Return each direction, its speed with the largest friction, and the direction with the largest."""
     ways = _along(over, "direction")
     highest = [way.isel(speed=int(way[FRICTION].values.argmax())) for way in ways]
-    first = int(np.argmax([way[FRICTION].item() for way in highest]))
+    return ways, highest, int(np.argmax([way[FRICTION].item() for way in highest]))
+
+
+def _sliding_charts(_: xr.Dataset, over: xr.Dataset) -> Charts:
+    """Draw friction and contact over the speed; all but the friction of the direction with the largest."""
+    from roughcontact.report.map_plots import pressure_map  # with all that levels maps, for few pages
+
+    ways, highest, first = _highest(over)
     course, fastest, speed = ways[first], highest[first], over["speed"].values
     way_labels = [f", {way['direction'].item():g}°" if len(ways) > 1 else "" for way in ways]
     curves = {
@@ -126,17 +162,12 @@ def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
     x_axis = log_axis("sliding speed v (m/s)", speed, room=1.3)
     of_friction = curves_chart(x_axis, speed, "coefficient of friction μ", curves)
     pressure = pressure_map(xr.zeros_like(fastest["pressure"]), fastest["pressure"].values)
-    lines_drawn = {
+    return {
         "coefficient of friction over the speed": of_friction,
         f"pressure at {fastest['speed'].item():.3g} m/s{way_labels[first]}": pressure,
         "share of the friction by wavelength": _octaves(fastest),
         **_over(course, (AREA, GAP), x_axis, speed, "over the speed"),
     }
-    others = [_scalars(way) for way in highest if way is not fastest]
-    misfit = float(over.attrs["relaxation_misfit"])  # of the table from every linear material
-    return lines_drawn, [
-        sentence("slides", _scalars(fastest), others, misfit, MAX_MISFIT, _warm_from(course))
-    ]
 
 
 def _warm_from(over: xr.Dataset) -> tuple[float, float] | None:
@@ -159,28 +190,32 @@ def _octaves(highest: xr.Dataset) -> Chart:
     return chart
 
 
-def _wear(_: xr.Dataset, over: xr.Dataset) -> Part:
-    """Return maps before and after wear, charts over the distance, and the sentence of a worn face."""
+def _wear_text(_: xr.Dataset, over: xr.Dataset) -> list[str]:
+    """Return the sentence of a worn face."""
+    before, last = (_scalars(over.isel(sliding_distance=index)) for index in (0, -1))
+    return [sentence("runs_in", last, before, CLOSED)]
+
+
+def _wear_charts(_: xr.Dataset, over: xr.Dataset) -> Charts:
+    """Draw maps before and after wear, and answers over the distance."""
     from roughcontact.report.map_plots import height_map  # with all that levels maps, for few pages
 
     before, after = over.isel(sliding_distance=0), over.isel(sliding_distance=-1)
-    last, unit = _scalars(after), unit_of(before, "m")
-    after_in_words = f"heights after {number(last['sliding_distance'])} m"
+    unit = unit_of(before, "m")
     distances = over["sliding_distance"].values
     # the face as it is stands at the left end
     distances = np.where(distances == 0, distances[distances > 0].min() / 3, distances)
     x_axis = log_axis("sliding distance s (m), leftmost: 0", distances, room=1.3)
     heights = over[[*_HEIGHTS]].where(over[[*_HEIGHTS]] >= CLOSED) * unit.factor
     curves = {f"{name}, {words}": [heights[name].values] for name, words in _HEIGHTS.items()}
-    lines_drawn = {
+    return {
         "heights before wear": height_map(before["height"], like=before["height"]),
-        after_in_words: height_map(after["height"], like=before["height"]),
+        f"heights after {number(distances[-1])} m": height_map(after["height"], like=before["height"]),
         **_over(over, _WORN, x_axis, distances, "over the distance"),
         "height parameters over the distance": curves_chart(
             x_axis, distances, f"height ({unit.symbol})", curves
         ),
     }
-    return lines_drawn, [sentence("runs_in", last, _scalars(before), CLOSED)]
 
 
 def _over(
@@ -210,9 +245,8 @@ def _scalars(numbers: xr.Dataset) -> dict[str, Any]:
     return {str(name): value.values.item() for name, value in numbers.variables.items() if not value.dims}
 
 
-# part of the page -> its file of a result, and what makes it of the statistics and of that
-_COURSES: dict[str, tuple[str, Callable[[xr.Dataset, xr.Dataset], Part]]] = {
-    "unloading": ("residual.nc", _unloading),
-    "sliding": ("sliding.nc", _sliding),
-    "wear": ("worn.nc", _wear),
+_COURSES = {
+    "residual.nc": _Course("unloading", _unloading_text, _unloading_charts),
+    "sliding.nc": _Course("sliding", _sliding_text, _sliding_charts),
+    "worn.nc": _Course("wear", _wear_text, _wear_charts),
 }

@@ -16,6 +16,7 @@ from roughcontact.arguments.quantities import percent
 from roughcontact.report import captions, facts, glance, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
+from roughcontact.report.courses import answer_with_courses, course_text
 from roughcontact.report.groups import name_under
 from roughcontact.report.methods import methods_paragraph
 from roughcontact.report.summary import relative_links, write_summary
@@ -41,6 +42,7 @@ def write_panel(
     case: str | None = None,
     settings: dict,
     counter_faces: Sequence[str | Path] = (),
+    courses: Sequence[str | Path] = (),
     overview: str | Path | None = None,
     linked: bool = True,
     **files: str | Path,
@@ -48,8 +50,9 @@ def write_panel(
     """Write one surface's part of the report: an HTML fragment, and its summary (`.json`), from its files.
 
     `files` are `height`, `levelled`, `window`, `contact` and `statistics`; where `contact` keeps no maps the
-    part says so. `counter_faces` has the other file of a pair, `overview` that of the coarser maps around
-    this one; `linked` puts links to the files.
+    part says so. `counter_faces` has the other file of a pair, `courses` those of wear, sliding and
+    unloading, which the answer has, `overview` that of the coarser maps around this one; `linked` puts links
+    to the files.
     """
     measured_map, plane, window_map = (_read_map(files[stage]) for stage in ("height", "levelled", "window"))
     numbers = read_dataset(files["statistics"])
@@ -66,11 +69,12 @@ def write_panel(
     doubts = outcome.sort_by_importance(outcome.not_passed(all_checks))
     reason = glance.main_doubt(numbers, doubts)
     cells = glance.glance_rows(numbers, indices=indices[-1:])[0]
+    texts = dict(course_text(numbers, Path(course)) for course in courses)
     summary: dict[str, Any] = {
         "identifier": surface if case is None else f"{case}--{surface}",
         "name": name_under(surface, case),
         "surface": surface,
-        "answer": glance.answer_line(numbers, indices[-1], cells),
+        "answer": answer_with_courses(glance.answer_line(numbers, indices[-1], cells), texts),
         "verdict": verdict,
         "reasons": [outcome.reason_text(check) for check in doubts],
         "doubts": [str(check.name) for check in doubts],

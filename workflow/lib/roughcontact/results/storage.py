@@ -31,6 +31,7 @@ from roughcontact.io.seal import WAY_OUT, check_seal, seal
 if TYPE_CHECKING:
     import netCDF4
 
+FAILURE = "failure"  # attribute of a file of wear, sliding or unloading that came to nothing: why
 _FORMULA = tuple("=+-@\t\r")  # first letters of a formula in a spreadsheet
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")  # no characters of XML
 

@@ -28,6 +28,7 @@ from roughcontact.arguments.checking import check_positive
 from roughcontact.arguments.choices import Influence, ZeroFrequency
 from roughcontact.arguments.kinds import facts_of, properties_of_map
 from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.quantities import number, quantity
 from roughcontact.arguments.si import as_si
 from roughcontact.arguments.stacks import top_material
 from roughcontact.arguments.variables import describe
@@ -176,8 +177,9 @@ def run_in(
         for which, body in zip(("first", "second"), checked_bodies, strict=False):  # either may have the face
             if lost >= (thickness := top_material(body).get("thickness", math.inf)):
                 raise SettingsError(
-                    f"sliding_distance: after {worn.distance:g} m the face has lost {lost:g} m, and the "
-                    f"outermost layer of the {which} body is {thickness:g} m thick; give shorter distances",
+                    f"sliding_distance: after {number(worn.distance)} m the face has lost "
+                    f"{quantity(lost, 'm')}, and the outermost layer of the {which} body is "
+                    f"{quantity(thickness, 'm')} thick; give shorter distances",
                     keys=["sliding_distance"],
                 )
         areas.append((worn.distance, relative_contact_area(worn.pressure > 0)))

@@ -99,17 +99,16 @@ def failure_reason(plan: Plan, result: str) -> str:
     sources = plan.all_sources(result)
     if missing := [path for path in sources if not Path(path).exists()]:
         return f"{missing[0]}: is gone since the run began; put it back and run again"
-    folder, statistics = Path("results", result), Path("results", result, "statistics.nc")
-    files = [Path(plan.file(stage, result)) for stage in ("height", "levelled", "window")]
-    files += [
-        statistics,
-        folder / "panel.html",
-        folder / "panel.json",
-        *map(Path, plan.further_files(result)),
-    ]
+    folder, statistics = Path("results", result), f"results/{result}/statistics.nc"
+    solved = [*(plan.file(stage, result) for stage in ("height", "levelled", "window")), statistics]
+
+    def date(path: str | Path) -> int:
+        return Path(path).stat().st_mtime_ns
+
     checksums = {path: digest for _, record in jobs for path, digest in record["sources"].items()}
     try:
-        dates = [file.stat().st_mtime_ns for file in files]
+        dates = [*map(date, solved), *sorted(map(date, plan.further_files(result)))]
+        dates += [date(folder / name) for name in ("panel.html", "panel.json")]
         attrs = read_dataset(statistics).attrs
         check_origin(attrs, statistics, plan.origin("statistics", result, checksum))
     except (OSError, InputFileError):

@@ -377,7 +377,7 @@ class Plan:
             case, _ = split(folder)
             jobs.append(("contact" if self._owners[case, "contact"] == case else "statistics", folder))
         jobs.append(("statistics" if self.other_case("contact", result) else "contact", result))
-        jobs += [(rule, result) for rule in ("panel", *self.further_rules(split(result)[0]))]
+        jobs += [(rule, result) for rule in (*self.further_rules(split(result)[0]), "panel")]
         return list(dict.fromkeys(jobs))
 
     def expected(self, points: Callable[[str], int]) -> dict[tuple[Rule, str], tuple[float, int]]:
