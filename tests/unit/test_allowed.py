@@ -11,7 +11,7 @@ from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.report.allowed import allowed_in_words
 from roughcontact.report.glance import answer_line, glance_rows
-from roughcontact.statistics.allowed import compare, with_allowed
+from roughcontact.statistics.allowed import compare, compared_ends, with_allowed
 from roughcontact.statistics.decisions import gap_is_closed
 
 LOADS = np.array([1.0, 2.0, 4.0, 8.0])
@@ -262,6 +262,20 @@ def numbers_of(holds, crossing, lower, upper):
 )
 def test_the_answer_in_words(numbers, text):
     assert allowed_in_words(numbers_of(*numbers), "leak", 0) == f"leak of at most 1.00 ml/h: {text}"
+
+
+def test_the_leak_in_words_is_that_which_is_compared_where_the_smaller_one_is_known_less():
+    """A gap along y that is closed for certain leaks next to nothing, more than one along x that is not."""
+    numbers = numbers_of(np.nan, 5e6, 1e6, np.nan)
+    per_hour = {"x": (1e-5, 0.0, 2.2), "y": (9e-5, 0.0, 3.6e-4)}
+    for axis, ends in per_hour.items():
+        for suffix, leak in zip(("", "_lower", "_upper"), ends, strict=True):
+            numbers[f"total_leak_rate_{axis}{suffix}"] = "load", np.full(2, leak / 3.6e9)
+    bounds = compared_ends(numbers, "leak") * 3.6e9
+    np.testing.assert_allclose(bounds[:, 0], [9e-5, 0.0, 2.2])
+    assert allowed_in_words(numbers, "leak", 0, brief=True) == (
+        "leak 9.0×10⁻⁵ (0 to 2.2) ml/h of at most 1.00 ml/h: not decided"
+    )
 
 
 def test_a_crossing_below_the_loads_solved_is_no_load_from_which_on_a_seal_holds():

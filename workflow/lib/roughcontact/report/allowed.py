@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS, TOTALS
+from roughcontact.arguments.answers import ALLOWED_VALUES, AREA, ENDS, TOTALS
 from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.report.units import number_text, unit_of
@@ -64,11 +64,21 @@ def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
     '1.00 ± 0.20 K'
     """
     totals = [total for total in ALLOWED_VALUES[name].numbers if total in TOTALS and total in numbers]
-    largest = max(totals, key=lambda total: float(numbers[total][index]), default="")
-    if is_lifted(numbers, name)[index] or not largest or not float(numbers[largest][index]) > 0:
+    if is_lifted(numbers, name)[index] or not totals:
         return ""
+    # what is compared: each end is the largest of theirs, as what leaks less along an axis may be known less
+    compared = {
+        f"{totals[0]}{suffix}": np.max([numbers[f"{total}{suffix}"] for total in totals], axis=0)
+        for suffix in ENDS
+        if f"{totals[0]}{suffix}" in numbers
+    }
+    if not compared[totals[0]][index] > 0:
+        return ""
+    compared |= {
+        f"{AREA}{suffix}": numbers[f"{AREA}{suffix}"] for suffix in ENDS if f"{AREA}{suffix}" in numbers
+    }
     unit = unit_of(numbers, ALLOWED_VALUES[name].unit)
-    return f"{number_text(numbers, largest, unit, index)} {unit.symbol}"
+    return f"{number_text(compared, totals[0], unit, index)} {unit.symbol}"
 
 
 def fluid_in_words(numbers: Numbers, index: int, name: str = "leak") -> str:
