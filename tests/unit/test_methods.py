@@ -45,6 +45,21 @@ def test_the_words_are_those_of_the_settings(statistics):
     assert "made periodic (smooth-cross-fade)" in text
 
 
+def test_the_range_of_a_hardness_has_its_own_unit_under_the_loads_of_rubber(statistics):
+    soft = statistics.assign(hardness=1.4e9, hardness_lower=1.1e9, hardness_upper=1.8e9, contact_modulus=4e6)
+    assert "in the intervals 1.10 to 1.80 GPa" in methods_paragraph(soft)
+
+
+def test_an_overview_that_numbers_rest_on_is_named(statistics):
+    assert "overview" not in methods_paragraph(statistics)
+    over = statistics.assign(mean_gap_alone_lower=statistics["mean_gap_lower"])
+    assert "Area, pressure in contact and gap are of the surface over a coarser map" in methods_paragraph(
+        over
+    )
+    at_its_place = methods_paragraph(over.assign_attrs(overview_correlation=0.957))
+    assert "its overview, on which the map lies with a correlation of 0.96. The intervals" in at_its_place
+
+
 def test_the_bound_is_never_rounded_down(statistics):
     with_bounds = statistics.assign(error_bound=("load", np.array([1.01e-5, 2e-6, 1e-6, 1e-7])))
     assert "at most 1.1×10⁻⁵." in methods_paragraph(with_bounds)

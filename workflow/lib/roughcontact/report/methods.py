@@ -9,7 +9,7 @@ from roughcontact.arguments.answers import AREA, ENDS, GAP, PRESSURE, UNITS
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.profiles import ensemble_in_words
-from roughcontact.arguments.quantities import quantity
+from roughcontact.arguments.quantities import Unit, prefix, quantity
 from roughcontact.arguments.stacks import properties_of_bodies
 from roughcontact.report.asked import bodies_in_words
 from roughcontact.report.budget_plots import largest_parts
@@ -55,6 +55,7 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
         measurand=interval_measurand(statistics, settings["uncertainty"]),
         largest=largest_parts(statistics.isel(load=indices)),
         hardness=_range_of_hardness(statistics),
+        over_overview=f"{GAP}_alone_lower" in statistics,
         version=json_attribute(attrs, "versions")["roughcontact"],
         commit=str(attrs.get("commit", ""))[:7],
     )
@@ -65,8 +66,9 @@ def _range_of_hardness(statistics: xr.Dataset) -> str:
     """Return what the intervals hold of the hardness."""
     if "hardness_lower" not in statistics:
         return "taken as exact"
-    bounds = (float(statistics[f"hardness{suffix}"]) for suffix in ENDS[1:])
-    return f"in the intervals {unit_of(statistics, 'Pa').ends(*bounds)}"
+    hardness, *bounds = (float(statistics[f"hardness{suffix}"]) for suffix in ENDS)
+    unit = Unit(*prefix(hardness, "Pa"))  # of loads on rubber it would be thousands of them
+    return f"in the intervals {unit.ends(*bounds)}"
 
 
 def _rounded_up(bound: float) -> float:
