@@ -195,6 +195,11 @@ def instrument_components(
     check_instrument(window if as_measured is None else as_measured, instrument)
     causes: list[Components] = []
     as_measured_values: dict[str, np.ndarray] = {}
+    noise_estimate, step = suspected_noise(window.attrs), coarse_step(window.attrs)
+    if as_measured is None and not (noise or noise_estimate or true_shapes or step):
+        return causes, as_measured_values
+    # solved as the others are: a point that their tolerance closes is no effect of the instrument
+    result = result._replace(values=result.again(window))
     if as_measured is not None:
         as_measured_values = result.again(as_measured)
         causes.append(_correction_component(result, as_measured, as_measured_values, instrument))
@@ -203,10 +208,10 @@ def instrument_components(
         causes.append(_noise_shift(result, noise, margin=_NOISE_MARGIN))
     if noise:
         causes.append(_chance_of_noise(result, noise))
-    elif noise_estimate := suspected_noise(window.attrs):
+    elif noise_estimate:
         causes.append(_noise_shift(result, noise_estimate, margin=0.0))
     shifts = [result.changes(result.again(shape)) for shape in true_shapes.values()]
-    if step := coarse_step(window.attrs):
+    if step:
         changes = result.changes(result.again(unrounded(window, step)))
         # the highest point stays a kink of the smoothest map: its pressure falls at least as the gradient
         changes[PEAK] = np.minimum(changes[PEAK], -changes[AREA])
