@@ -100,7 +100,7 @@ CLASSES = {
     "percent": "to ± 30 % or less",
     "factor": "to a factor of 3 or less",
     "magnitude": "order of magnitude",
-    "at most": "a bound",
+    "not": "a bound",
 }
 BANK = Path(__file__).parent / "results" / "bank"
 WORK = Path(__file__).parent / "work" / "bank"
@@ -618,7 +618,7 @@ def _claim(value: float, a: float, b: float, truth: float) -> tuple[str, bool]:
         "exactly": abs(truth / value - 1) <= 1e-4,
         "factor": ratio <= limit,
         "magnitude": ratio <= limit,
-        "at most": truth <= limit,
+        "not": truth <= max(a, b),
     }[word]
     return CLASSES["percent" if word == "exactly" else word], bool(holds)
 

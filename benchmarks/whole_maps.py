@@ -25,7 +25,6 @@ import xarray as xr
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
-from roughcontact.arguments.quantities import Unit
 from roughcontact.errors import RoughContactError
 from roughcontact.statistics.precision import precision_in_words
 
@@ -87,7 +86,7 @@ def row_of_planned(name: str, statistics: xr.Dataset | str) -> dict[str, str]:
         "for planned loads alone": "yes" if red.any() and not red.all() else "no",
         "why": "; ".join(reasons),
         "area (%)": f"{100 * area[typical]:.3g}",
-        "known": precision_in_words(*interval, Unit(100.0, "%")),
+        "known": precision_in_words(*interval),
         "halve": statistics.attrs.get("halve", ""),
         "refused": "",
     }

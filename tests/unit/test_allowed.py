@@ -112,6 +112,8 @@ def test_gas_and_film_are_in_the_totals_and_in_their_ends():
     assert found["total_thermal_resistance"].item() == pytest.approx(0.5)
     assert found["total_thermal_resistance_upper"].item() == pytest.approx(1.0)
     assert "total_thermal_resistance_lower" not in found
+    open_above = statistics.assign(joint_conductance_upper=("load", [np.nan]))
+    assert with_allowed(open_above, {"joint": {"area": 1e-4}})["total_thermal_resistance_lower"].item() == 0
 
 
 @pytest.mark.parametrize(

@@ -89,9 +89,12 @@ def test_a_surface_has_one_line_when_its_last_job_has_ended(tmp_path):
         "ground: done, 2 warnings in its logs and in the report (1 of 2, about 52 s left)"
     ]
     run.job(4, 50, 80)
-    run.job(5, 80, 90, output=["results/report.html"])
+    page = tmp_path / "report.html"
+    page.write_text('<p class="answer">Seals for all 2 &amp; holds.</p>')
+    run.job(5, 80, 90, output=[str(page)])
     run.tell(event="progress", done=5, total=5, delay=90)
-    assert run.lines[2:] == ["turned: done (2 of 2, about 27 s left)", "done in 2 min: results/report.html"]
+    answer = "Seals for all 2 & holds."
+    assert run.lines[2:] == ["turned: done (2 of 2, about 27 s left)", answer, f"done in 2 min: {page}"]
 
 
 def test_a_run_of_one_result_says_that_the_page_is_older(tmp_path, monkeypatch):

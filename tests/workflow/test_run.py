@@ -68,6 +68,7 @@ def test_the_short_screen_has_a_line_for_each_surface(finished_quickly):
     lines = [
         r"(ground|turned): done \(1 of 2.*\)\. At .* MPa: contact area .*",
         r"(ground|turned): done \(2 of 2.*\)\. At .* MPa: contact area .*",
+        r"At .* MPa.*: contact area from .* to .*\.",
         r"done in .*: results/report\.html",
     ]
     assert re.fullmatch("\n".join(lines), output.strip())

@@ -4,6 +4,7 @@ All else that Snakemake and the jobs report is in their logs. Of a job that has 
 which its record says why, else how it was ended. Other warnings and errors are shown in full.
 """
 
+import html
 import json
 import logging
 import re
@@ -122,6 +123,8 @@ class Screen:
             page = f": {self.page}" if self.page else ""
             if self.done and not page and _PAGE.exists():
                 page = f"; {_PAGE} is of an earlier run: `roughcontact run` makes it anew"
+            if self.done > 1 and (answer := _answer_of(self.page)):
+                self._line(answer)
             self._line(f"done in {taken}{page}")
         if self.bar and self.clock.total:
             self._write(ERASE + self._bar(record.created))
@@ -292,6 +295,12 @@ def _text(log: str | Path) -> str:
     with suppress(OSError):
         return Path(log).read_text(encoding="utf-8", errors="replace")
     return ""
+
+
+def _answer_of(page: str) -> str:
+    """Return the line in which a page answers for all its results; empty without one."""
+    line = re.search('<p class="answer">(.*?)</p>', _text(page) if page else "")
+    return html.unescape(line[1]) if line else ""
 
 
 def read_record(log: str | Path) -> dict[str, Any]:

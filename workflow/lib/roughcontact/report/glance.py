@@ -118,6 +118,30 @@ def usable_loads(numbers: xr.Dataset) -> list[int]:
     return usable[shown_loads(areas[usable])].tolist()
 
 
+def shared_loads(results: Sequence[xr.Dataset], key: str = LOAD) -> list[list[int]]:
+    """Return for each of several surfaces the indices of the loads at which all are shown, loads rising.
+
+    Loads are the same by the variable `key`. Surfaces that share less than two, and not all of any, are
+    shown at their own: nothing is returned.
+
+    Examples
+    --------
+    >>> loads, areas = ([1e5, 2e5, 3e5, 4e5], [2e5, 4e5, 8e5]), ([0.01, 0.02, 0.03, 0.04], [0.1, 0.2, 0.3])
+    >>> names = ("mean_pressure", "relative_contact_area")
+    >>> results = [xr.Dataset({n: ("load", v) for n, v in zip(names, both)}) for both in zip(loads, areas)]
+    >>> shared_loads(results), shared_loads([results[0], results[1].isel(load=[0, 2])])
+    ([[1, 3], [0, 1]], [])
+    """
+    keys = [numbers[key].values for numbers in results]
+    first, *others = keys or [np.array([])]
+    shared = [load for load in first if all(np.isclose(load, loads, rtol=1e-3).any() for loads in others)]
+    if not others or len(shared) < min(2, *(loads.size for loads in keys)):
+        return []
+    indices = np.array([[int(np.abs(loads - load).argmin()) for load in shared] for loads in keys])
+    areas = [numbers[AREA].values[own] for numbers, own in zip(results, indices, strict=True)]
+    return np.sort(indices[:, shown_loads(np.median(areas, axis=0))]).tolist()
+
+
 def asked_columns(results: Sequence[xr.Dataset]) -> list[str]:
     """Return the names of the columns of what any of some surfaces is asked for.
 
@@ -228,15 +252,15 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Mapping[str, Cell], *, a
     return " ".join(f"{text[0].upper()}{text[1:]}." for text in [*allowed, line])
 
 
-def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[int]:
+def loads_to_compare(results: Sequence[xr.Dataset]) -> list[int]:
     """Return for each of many surfaces the index of the load at which they are compared, loads rising.
 
-    The median area there is nearest to `area`, by ratio; with other numbers of loads each has its own.
+    The median area there is nearest to 10 %, by ratio; with other numbers of loads each has its own.
     """
     areas = [result[AREA].values for result in results]
     if len({result.size for result in areas}) == 1:
         areas = [np.median(areas, axis=0)] * len(areas)
-    deviation = [np.abs(np.log(np.maximum(result, 1e-300)) - np.log(area)) for result in areas]
+    deviation = [np.abs(np.log(np.maximum(result, 1e-300)) - np.log(AREAS[1])) for result in areas]
     return [int(result.argmin()) for result in deviation]
 
 
@@ -324,7 +348,7 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     _, factor_name = _FACTORS.get(name, ("", ""))
     if factor_name and f"{factor_name}_lower" not in numbers:
         remarks.append(f"{_in_words(factor_name)} {_EXACT}")
-    precision = precision_in_words(value, lower, upper, unit)
+    precision = precision_in_words(value, lower, upper)
     remark = ", ".join(remarks) if is_known(value, lower, upper) else ""
     if name == GAP and min(value, upper) < decisions.CLOSED:  # a NaN end is no smaller
         open_elsewhere = f"up to {unit.text(upper)}" if upper >= decisions.CLOSED else ""

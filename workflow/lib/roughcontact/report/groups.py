@@ -8,7 +8,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, AREA, COMPARED, ENDS, GAP, PEAK, TITLES
 from roughcontact.arguments.measurement import json_attribute
-from roughcontact.arguments.quantities import Unit, percent, quantity, with_interval
+from roughcontact.arguments.quantities import Unit, percent, with_interval
 from roughcontact.arguments.variables import has_number
 from roughcontact.report import allowed, glance
 from roughcontact.report.glance import Cell
@@ -18,6 +18,7 @@ from roughcontact.statistics.decisions import CLOSED
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 from roughcontact.uncertainty.groups import is_range
+from roughcontact.uncertainty.scales import from_scale, to_scale
 
 # the answers with an interval, the area first, with what a single map has not
 _FURTHER = {row.quantity: row.heading for name, row in ANSWERS.items() if row.quantity and name != AREA}
@@ -37,24 +38,26 @@ def name_under(surface: str, *cases: str | None) -> str:
 
 def answer_of_several(
     groups: Sequence[NamedGroup],
-    comparisons: Mapping[tuple[str, str], xr.Dataset],
+    differences: Sequence[Row],
     series: Mapping[Key, xr.Dataset],
     last: Mapping[Key, int],
 ) -> str:
     """Return what several surfaces, or groups of maps, are asked for, in one line.
 
-    `series` has the statistics of each surface, loads rising, `last` the load at which it is asked.
+    `differences` are rows of `comparison_rows`, `series` has the statistics of each surface, loads rising,
+    and `last` the load at which it is asked.
     """
     # members of a group that is compared with no other: nobody asked for that
     groups_alone = [group for group in groups if not group.members.is_compared]
     uncompared = {
         name_under(name, group.case) for group in groups_alone for name in group.answer["map"].values
     }
-    tables_asked = {labels: table for labels, table in comparisons.items() if not uncompared & {*labels}}
-    if groups or not series:
-        return differences_in_words(tables_asked) or groups_in_words(groups, series)
-    results = {name_under(*key): (data, last[key]) for key, data in series.items()}
-    return differences_in_words(tables_asked) or surfaces_in_words(results)
+    line = differences_in_words(
+        [row for row in differences if not uncompared & {row["first"], row["second"]}]
+    )
+    if line or groups or not series:
+        return line or groups_in_words(groups, series)
+    return surfaces_in_words({name_under(*key): (data, last[key]) for key, data in series.items()})
 
 
 def group_rows(groups: Sequence[NamedGroup], verdicts: Mapping[Key, str] | None = None) -> list[Row]:
@@ -71,21 +74,25 @@ def group_rows(groups: Sequence[NamedGroup], verdicts: Mapping[Key, str] | None 
             "of": group.members.in_words(group.answer.sizes["map"], len({*group.answer["part"].values}))
             + _verdicts(group, verdicts or {}),
             "remarks": json_attribute(group.answer.attrs, "remarks"),
-            "rows": [group_cells(group.answer, of_group, index) for index in _shown(group)],
+            "rows": [group_cells(group.answer, of_group, index) for index in loads],
         }
-        for group, of_group in zip(groups, units, strict=True)
+        for group, of_group, loads in zip(groups, units, _shown(groups), strict=True)
     ]
 
 
-def _shown(group: NamedGroup) -> list[int]:
-    """Return the loads of a group that are shown."""
-    return glance.shown_loads(group.answer[AREA].values)
+def _shown(groups: Sequence[NamedGroup]) -> list[list[int]]:
+    """Return for each group the loads that are shown."""
+    answers = [group.answer for group in groups]
+    return glance.shared_loads(answers) or [glance.shown_loads(answer[AREA].values) for answer in answers]
 
 
 def group_picture(groups: Sequence[NamedGroup]) -> tuple[str, str]:
     """Return (image, caption) of the groups and each of their maps at two or three loads."""
     pressure = min((unit_of(group.answer, "Pa") for group in groups), key=lambda unit: unit.factor)
-    displayed = [(group.label, group.answer.isel(load=_shown(group))) for group in groups]
+    displayed = [
+        (group.label, group.answer.isel(load=loads))
+        for group, loads in zip(groups, _shown(groups), strict=True)
+    ]
     caption = (
         "Open marks: each map. Filled: the group, with the 95 % interval of its mean (of a pair of faces: of "
         "the next placement; without one, their range). Groups stand beside one another at each load."
@@ -175,46 +182,48 @@ def _range(answer: xr.Dataset, name: str, prefix: str, units: Mapping[str, Unit]
 
 
 def _scatter(load: xr.Dataset) -> Cell:
-    """Return the standard deviations of the area between parts and between maps."""
+    """Return the standard deviations of the area between parts and between maps, over their mean."""
     deviations = {"parts": float(load[f"{AREA}_between"]), "maps": float(load[f"{AREA}_within"])}
-    texts = {name: percent(value) for name, value in deviations.items() if np.isfinite(value)}
+    mean = float(load[AREA])
+    texts = {}
+    for name, value in deviations.items():
+        if np.isfinite(value):  # on the scale of the area
+            lower, upper = from_scale(AREA, to_scale(AREA, np.array(mean)) + np.array([-value, value]))
+            texts[name] = percent((upper - lower) / 2 / mean)
     texts_by_name = [f"{name} {text}" for name, text in texts.items()]
     return Cell(", ".join(texts.values() if len(texts) == 1 else texts_by_name) or "–")
 
 
-def differences_in_words(comparisons: Mapping[tuple[str, str], xr.Dataset]) -> str:
-    """Return what comes of the contact area in up to three comparisons, in one line; empty for more.
+def differences_in_words(differences: Sequence[Row]) -> str:
+    """Return what comes of the contact area in up to three rows of `comparison_rows`, in one line.
 
-    It is that of the lightest and of the heaviest load, with the ratio.
+    It is that of the lightest and of the heaviest load, of several rows without what would decide; empty
+    for more.
 
     Examples
     --------
-    >>> labels = {"quantity": [AREA], "mean_pressure": ("load", [1e6, 2e6])}
-    >>> names = ("outcome", "ratio", "ratio_lower", "ratio_upper")
-    >>> values = ["differ", "inconclusive: few"], [1.5, 1.1], [1.2, np.nan], [1.8, np.nan]
-    >>> table = xr.Dataset({name: (("quantity", "load"), [row]) for name, row in zip(names, values)}, labels)
-    >>> differences_in_words({("A", "B"): table})
-    'Contact area, B against A: 1.50 ± 0.30 times as large at 1.00 MPa; inconclusive: few at 2.00 MPa.'
+    >>> area = {"quantity": TITLES[AREA], "cells": [Cell("1.5", "1.2 to 1.8"), Cell("–")]}
+    >>> row = {"first": "A", "second": "B", "loads": ["1 MPa", "2 MPa"]}
+    >>> differences_in_words([row | {"rows": [area | {"outcomes": ["differ", "inconclusive: few"]}]}])
+    'Contact area, B against A: differ (1.5 times as large, 1.2 to 1.8) at 1 MPa; inconclusive: few at 2 MPa.'
     """
     sentences = []
-    for (first, second), table in comparisons.items() if len(comparisons) <= _IN_LINE else ():
-        if AREA not in table["quantity"]:
+    for row in differences if len(differences) <= _IN_LINE else ():
+        of_area = next((part for part in row["rows"] if part["quantity"] == TITLES[AREA]), None)
+        if of_area is None:
             continue
-        of_area = table.sel(quantity=AREA)
-        loads = [quantity(load, "Pa") for load in table["mean_pressure"].values.tolist()]
-        outcomes = [_outcome_in_words(of_area.isel(load=index)) for index in range(len(loads))]
-        at_loads = [f"{outcomes[index]} at {loads[index]}" for index in dict.fromkeys([0, len(loads) - 1])]
-        words = "; ".join(at_loads if len({*outcomes}) > 1 else outcomes[:1])
-        sentences.append(f"{second} against {first}: {words}")
+        count = len(row["loads"])
+        outcomes = of_area["outcomes"] if len(of_area["outcomes"]) == count else of_area["outcomes"] * count
+        if len(differences) > 1:
+            outcomes = [outcome.partition(":")[0] for outcome in outcomes]
+        words = [
+            f"{outcome} ({cell.text} times as large, {cell.details})" if cell.details else outcome
+            for outcome, cell in zip(outcomes, of_area["cells"], strict=True)
+        ]
+        at_loads = [f"{words[index]} at {row['loads'][index]}" for index in dict.fromkeys([0, count - 1])]
+        text = "; ".join(at_loads if len({*words}) > 1 else words[:1])
+        sentences.append(f"{row['second']} against {row['first']}: {text}")
     return f"Contact area, {'; '.join(sentences)}." if sentences else ""
-
-
-def _outcome_in_words(load: xr.Dataset) -> str:
-    """Return the ratio of a comparison at a load with its interval, and unless both differ its outcome."""
-    outcome = str(load["outcome"].item())
-    ends = [load[name].item() for name in ("ratio", "ratio_lower", "ratio_upper")]
-    words = f"{with_interval(*ends, finest=_FINEST)} times as large" if np.isfinite(ends).all() else ""
-    return ", ".join(filter(None, [words, "" if words and outcome == "differ" else outcome]))
 
 
 def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[Key, xr.Dataset]) -> str:
@@ -223,8 +232,8 @@ def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[Key, xr.Dataset]
     `maps` has the statistics of each map by its name and case, loads rising.
     """
     sentences = []
-    for group in groups if len(groups) <= _IN_LINE else ():
-        answer, index = group.answer, _shown(group)[-1]
+    for group, loads_shown in zip(groups, _shown(groups), strict=True) if len(groups) <= _IN_LINE else ():
+        answer, index = group.answer, loads_shown[-1]
         (load, area, *_) = group_cells(answer, glance.glance_units([answer])[0], index)
         known = ", ".join(filter(None, (area.details, area.known)))
         of_maps = {str(name): maps[str(name), group.case] for name in answer["map"].values}

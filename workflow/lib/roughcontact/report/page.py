@@ -65,6 +65,10 @@ def write_report(
     # a placement stands with its pair, which comes last
     group_of_surface = {str(name): group.name for group in groups for name in group.answer["map"].values}
     styles, indices = _line_styles(series, group_of_surface), glance.loads_to_compare(results)
+    equal_loads = same_loads(settings)
+    # of so many that an index stands for them each has a page of its own
+    shared = [] if has_index else glance.shared_loads(results, "place" if equal_loads else glance.LOAD)
+    shown = dict(zip(series, shared, strict=bool(shared)))
     units = dict(zip(series, glance.glance_units(results), strict=True))
     last = dict(zip(series, indices, strict=True))
     asked = glance.asked_columns(results)
@@ -73,10 +77,11 @@ def write_report(
     for entry in finished:
         key, panel = (entry["surface"], entry["case"]), file_of(entry, "panel.html")
         of_panel = read_summary(panel)
-        numbers, cells = series[key], glance.glance_rows(series[key], units[key], of_panel["loads"])
+        loads = shown.get(key, of_panel["loads"])
+        numbers, cells = series[key], glance.glance_rows(series[key], units[key], loads)
         alone = len(cells) == len(finished) == 1  # then no table of loads repeats it
         if alone or len(cells) > 1:
-            line = glance.answer_line(numbers, of_panel["loads"][-1], cells[-1], alone=alone)
+            line = glance.answer_line(numbers, loads[-1], cells[-1], alone=alone)
         else:  # the row is the answer
             line = glance.exact_remarks([cells[0][name] for name in asked])
         courses = course_sections(of_panel["name"], numbers, panel.parent, folder)
@@ -97,7 +102,7 @@ def write_report(
         }
         rows.append(row)
         if not has_index:  # that of the table below
-            last[key] = row["loads"][-1]
+            last[key] = loads[-1]
     cases_of_run = dict.fromkeys([*(case for _, case in series), *(failure["case"] for failure in failures)])
     causes: dict[tuple[str, str], list[str | None]] = {}
     for failure in failures:
@@ -109,10 +114,8 @@ def write_report(
     maps = {name_under(*key): data for key, data in series.items()}
     answers = maps | {group.label: group.answer for group in groups}
     compared = group_section.shown_comparisons(compared or {}, answers)
-    equal_loads = same_loads(settings)
-    if not has_index and equal_loads and len({*last.values()}) > 1:  # surfaces are compared at one load
-        last = dict(zip(series, glance.loads_to_compare(results, glance.AREAS[-1]), strict=True))
-    several = group_section.answer_of_several(groups, compared, series, last)
+    differences = group_section.comparison_rows(compared, groups, maps)
+    several = group_section.answer_of_several(groups, differences, series, last)
     cases = {name: case_table(by_case, equal_loads=equal_loads) for name, by_case in by_surface.items()}
     verdicts = {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}
     head = {
@@ -141,6 +144,7 @@ def write_report(
         surfaces=len(by_surface),
         cases_of_run=[*filter(None, cases_of_run)],
         which_load=_which_load(indices, results),
+        which_loads=_which_loads(rows, results, bool(shared)),
         # of so many that an index stands for them, lines over one another tell nothing
         comparisons=[] if has_index else _comparisons(series, styles, bool(group_of_surface)),
         cases=[(name, table) for name, table in cases.items() if table],
@@ -151,7 +155,7 @@ def write_report(
         group_headings=group_section.HEADINGS,
         group_picture=group_section.group_picture(groups) if groups else None,
         left_out=omissions,
-        compared=group_section.comparison_rows(compared, groups, maps),
+        compared=differences,
         folded=bool(group_of_surface) and by_surface.keys() <= group_of_surface.keys(),
         measured=measured_in_words({row["surface"]: row["measured"] for row in rows}),
         open_below=OPEN_BELOW,
@@ -257,6 +261,16 @@ def _compared(data: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[R
         sorting = {"key": key if np.isfinite(key) else ""} if quantity else {"details": "", "key": None}
         row.append(answers[name]._asdict() | sorting)
     return row
+
+
+def _which_loads(rows: Sequence[Row], results: Sequence[xr.Dataset], has_shared: bool) -> str:
+    """Return which loads of the surfaces the table has, in words; empty where it has all."""
+    numbers = (len(row["glance"]) for row in rows)
+    if all(number == data.sizes["load"] for number, data in zip(numbers, results, strict=True)):
+        return ""
+    loads = "Of the loads that all share" if has_shared else "Of more than three loads"
+    own = "" if has_shared or len(rows) == 1 else ", others of each surface"
+    return f"{loads} those nearest to 1, 10 and 30 % contact{own}; all are in the section of each surface."
 
 
 def _which_load(indices: Sequence[int], results: Sequence[xr.Dataset]) -> str:

@@ -155,8 +155,12 @@ def _resistance_of_joint(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
         names = {f"resistance_of_joint{suffix}": f"thermal_resistance{suffix}" for suffix in ENDS}
         return {key: statistics[name] for key, name in names.items() if name in statistics}
     with np.errstate(divide="ignore"):
-        return {
+        resistances = {
             f"resistance_of_joint{suffix}": 1 / statistics[name]
             for suffix in ENDS
             if (name := f"joint_conductance{OPPOSITE_ENDS[suffix]}") in statistics
         }
+    if (lower := "resistance_of_joint_lower") in resistances:
+        # a conductance without an upper end leaves a resistance down to none
+        resistances[lower] = resistances[lower].fillna(0.0)
+    return resistances

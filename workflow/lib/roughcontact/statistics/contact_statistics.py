@@ -362,8 +362,11 @@ def _joint(
                 area, gap, spots_at_end = (statistics[name] for name in names)
                 of_spots = 1 / (spots_at_end + film * statistics[AREA] / area)
                 of_gas = gas * (statistics[GAP] + jump) / (gap + jump)
-                # without an end, nothing bounds spots or gap
-                results[f"joint_conductance{end}"] = of_spots.fillna(0.0) + of_gas.fillna(0.0)
+                # of spots or gas without a lower end none at the least; nothing bounds two smooth faces
+                if end == "_lower":
+                    of_spots, of_gas = of_spots.fillna(0.0), of_gas.fillna(0.0)
+                together = of_spots + of_gas
+                results[f"joint_conductance{end}"] = together.where(np.isfinite(together))
     return results
 
 

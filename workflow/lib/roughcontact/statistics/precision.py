@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import ANSWERS, ENDS
-from roughcontact.arguments.quantities import Unit, number
+from roughcontact.arguments.quantities import number
 from roughcontact.statistics.decisions import gap_is_closed, is_yielding
 
 PERCENT, FACTOR, MAGNITUDE = 30, 3.0, 10.0  # widest: half-width in percent of the value, end over value
@@ -50,16 +50,16 @@ def widened(value_and_ends: Sequence[Any], factors: Sequence[Any]) -> tuple[Any,
 
 
 def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
-    """Return the class of precision of a number with an interval, and its percents, factor or bound.
+    """Return the class of precision of a number with an interval, and its percents or factor.
 
     Examples
     --------
     >>> [precision(1.0, *ends) for ends in ((0.98, 1.01), (0.83, 1.1), (0.5, 1.2), (0.2, 3.0), (0.0, 1.5))]
-    [('percent', 10.0), ('percent', 20.0), ('factor', 2.0), ('magnitude', 10.0), ('at most', 1.5)]
+    [('percent', 10.0), ('percent', 20.0), ('factor', 2.0), ('magnitude', 10.0), ('not', nan)]
     """
     if lower == value == upper:  # of a gap that is closed everywhere, of full contact
         return "percent", float(_SMALLEST_PERCENTS)
-    if value > 0 and not math.isnan(lower + upper):
+    if value > 0 and math.isfinite(lower + upper):
         half_width, factor = max(value - lower, upper - value) / value, math.inf
         # rounding must not lift 30 to 35 percent
         percents = max(_SMALLEST_PERCENTS, _STEP * math.ceil(100 * half_width / _STEP - 1e-9))
@@ -69,22 +69,20 @@ def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
             factor = max(upper / value, value / lower)
         if factor <= MAGNITUDE:
             return ("factor", factor) if factor <= FACTOR else ("magnitude", MAGNITUDE)
-    if math.isfinite(upper):
-        return "at most", upper
-    return ("at least", lower) if lower > 0 else ("not", math.nan)
+    return "not", math.nan
 
 
 def is_known(value: float, lower: float, upper: float) -> bool:
     """Return whether an interval leaves the order of magnitude of a number, or less, open."""
-    return precision(value, lower, upper)[0] in ("percent", "factor", "magnitude")
+    return precision(value, lower, upper)[0] != "not"
 
 
-def precision_in_words(value: float, lower: float, upper: float, unit: Unit) -> str:
+def precision_in_words(value: float, lower: float, upper: float) -> str:
     """Return how well a number is known by its interval; empty without one.
 
     Examples
     --------
-    >>> precision_in_words(1.0, 0.83, 1.1, Unit(1.0, "GPa"))
+    >>> precision_in_words(1.0, 0.83, 1.1)
     'to ± 20 %'
     """
     if math.isnan(lower) and math.isnan(upper):
@@ -94,10 +92,6 @@ def precision_in_words(value: float, lower: float, upper: float, unit: Unit) -> 
         return f"to ± {limit:.0f} %"
     if kind == "factor":
         return f"to a factor {number(limit, digits=2)}"
-    if kind in ("at most", "at least"):
-        trivial = unit.symbol == "%" and limit * unit.factor >= 99.95  # all of the area
-        bound = unit.text(float(f"{limit:.3g}"))
-        return "not by this map" if trivial else f"not by this map: {kind} {bound}"
     return "order of magnitude" if kind == "magnitude" else "not by this map"
 
 

@@ -383,7 +383,7 @@ def _what_decides(numbers: Mapping[str, float], row: Mapping[str, Any], relevant
         return more_maps
     advice = ADVICE.get(cause, "state what they share")
     # no number of maps tells alone
-    return f"all maps share errors above {percent(relevant)}; {advice}; and {more_maps}"
+    return f"{more_maps}, and smaller errors that all maps share (above {percent(relevant)}): {advice}"
 
 
 def _names(one: xr.Dataset, another: xr.Dataset) -> list[str]:

@@ -11,7 +11,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, ENDS
 from roughcontact.arguments.measurement import Instrument, json_attribute
-from roughcontact.arguments.quantities import Unit, counted_noun, percent, quantity
+from roughcontact.arguments.quantities import counted_noun, percent, quantity
 from roughcontact.arguments.variables import names_asked
 from roughcontact.statistics.kinds import reason_without_flow
 from roughcontact.statistics.precision import precision_in_words, relative_half_width
@@ -95,9 +95,9 @@ def add_overview_line(statistics: xr.Dataset) -> xr.Dataset:
         return statistics
     at_load = statistics.isel(load=_typical_load(statistics))
     phrases = []
-    for name, word, unit in ((GAP, "gap", Unit(1.0, "m")), (AREA, "contact area", Unit(100.0, "%"))):
+    for name, word in ((GAP, "gap"), (AREA, "contact area")):
         value, *bounds = (float(at_load[f"{name}{k}"]) for k in (*ENDS, "_alone_lower", "_alone_upper"))
-        now, by_map = (precision_in_words(value, low, high, unit) for low, high in (bounds[:2], bounds[2:]))
+        now, by_map = (precision_in_words(value, low, high) for low, high in (bounds[:2], bounds[2:]))
         if now != by_map:
             phrases.append(f"{word} known {now} ({by_map} without the overview)")
     return statistics.assign_attrs(overview="; ".join(phrases)) if phrases else statistics
