@@ -1049,6 +1049,9 @@ class TestFilesOfOthers:
         write_summary(SUMMARY, tmp_path / "results/one/panel.json")
         (tmp_path / "results/report.html").write_text("<html><head></head><body>old</body></html>")
         assert note not in page.after("write", STUDY)
+        further = {"rows.1.surface": "two", "rows.1.path": "measured/two.sdf"}
+        assert "Without a result: two</p>" in page.after("write", STUDY | further)
+        assert "Without a result" not in page.after("write", STUDY)
         assert "run again" not in page.with_bar(Path("results/report.html"), "/")
         assert note in page.after("write", STUDY | {"contact.mean_pressure": "6 MPa"})
         assert note in page.after("write", STUDY | {"rows.0.crop": "0 0 4 4 um"})

@@ -73,11 +73,8 @@ def inspect(row: Row) -> dict[str, Any]:
             result |= content | {"text": inspection(content, path), "line": content["problem"] or ""}
             needed = [*content["needed"]]
             if heights is not None:
-                held, (rows, columns) = (
-                    content["map"],
-                    (ceil(points / _THUMBNAIL) for points in heights.shape),
-                )
-                result["picture"] = _picture(heights[::rows, ::columns])
+                held, step = content["map"], ceil(max(heights.shape) / _THUMBNAIL)
+                result["picture"] = _picture(heights[::step, ::step])
                 span = quantity(held["highest"] - held["lowest"], "m")
                 result["line"] = f"{points_in_words(held)}, {field_in_words(held)}, heights over {span}"
                 if held["missing_points"]:
@@ -119,26 +116,20 @@ def whole(row: Row) -> bytes:
 def cut(row: Row, line: str) -> dict[str, str]:
     """Return in words what a map holds along a line, and the points of its curve, in percent downwards.
 
-    `line` has x and y of both ends, µm from the lower left corner, between commas.
+    `line` has x and y of both ends, µm from the lower left corner, between commas; a point has no curve.
     """
     height = _height_map(_key(row), row["path"], **_entries(row))
     start, end = np.reshape([1e-6 * float(word) for word in line.split(",")], (2, 2))
     x, y = (xr.DataArray(np.linspace(*bounds, _CUT), dims="point") for bounds in zip(start, end, strict=True))
     along = height.sel(x=x, y=y, method="nearest")
     lowest, span, length = along.min(), float(along.max() - along.min()), float(np.hypot(*(end - start)))
-    if length > 0:
-        words, height_difference = f"{quantity(length, 'm')} along the line, heights over ", span
-    else:
-        words = f"x {quantity(start[0], 'm')}, y {quantity(start[1], 'm')}: "
-        height_difference = float(lowest - height.mean())
-    if not np.isfinite(span):
-        return {"words": f"{words}not measured", "curve": ""}
     levels = 95 - 90 * (along - lowest) / (span or 1.0)
-    points = [f"{n},{level:.1f}" for n, level in enumerate(levels.values) if np.isfinite(level)]
-    return {
-        "words": f"{words}{quantity(height_difference, 'm')}",
-        "curve": " ".join(points) if length else "",
-    }
+    curve = " ".join(f"{n},{level:.1f}" for n, level in enumerate(levels.values) if np.isfinite(level))
+    words, value = f"{quantity(length, 'm')} along the line, heights over ", span
+    if not length:
+        words, curve = f"x {quantity(start[0], 'm')}, y {quantity(start[1], 'm')}: ", ""
+        value = float(lowest - height.mean())
+    return {"words": words + (quantity(value, "m") if np.isfinite(span) else "not measured"), "curve": curve}
 
 
 def further(paths: Sequence[str], rows: Sequence[Row]) -> tuple[list[Row], str]:

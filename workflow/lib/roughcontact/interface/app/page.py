@@ -47,14 +47,8 @@ class Page:
 
     def with_bar(self, report: Path, home: str) -> str:
         """Return a page of the results below the bar of this one, which lies at `home`."""
-        style = (study.FOLDER / "bar.css").read_text(encoding="utf-8")
-        text = report.read_text(encoding="utf-8", errors="replace")
         # before all of the report, which may be of anybody: nothing in it is left open around the bar
-        return f"<!DOCTYPE html><style>{style}</style>{self._filled('bar', home=home)}{text}"
-
-    def compared(self, result: str) -> str:
-        """Return the page of what a result may be compared with."""
-        return self._filled("compared", result=result, names=commands.panels(self.context["plan"]))
+        return self.filled("bar", home=home) + report.read_text(encoding="utf-8", errors="replace")
 
     def after(self, action: str, form: Mapping[str, str]) -> str:
         """Return the page after the action of a button."""
@@ -104,7 +98,7 @@ class Page:
         """Return the page."""
         self.shown = self._news()
         rows = self.reader.inspected(self.context["table"])
-        return self._filled("page", rows=rows, screen=self.run.state(), **variables)
+        return self.filled("page", rows=rows, screen=self.run.state(), **variables)
 
     def _news(self) -> tuple[object, ...]:
         """Return what changes without a button: files that are read, the screen of the run, its report."""
@@ -112,8 +106,8 @@ class Page:
         read = sum(reading.done() for reading in self.reader.readings.values())
         return read, self.run.state(), reports
 
-    def _filled(self, name: str, **variables: Any) -> str:
-        """Return a template with what all of them may need."""
+    def filled(self, name: str, **variables: Any) -> str:
+        """Return one of the templates, with what all of them may need and variables of its own."""
         modules = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
         values = modules | vars(self) | self.context | {"folder": Path.cwd()} | variables
         return template(f"{name}.html", folder=study.FOLDER).render(values)

@@ -17,7 +17,7 @@ from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware.base import BaseHTTPMiddleware, RequestResponseEndpoint
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, JSONResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 from uvicorn.protocols.http.h11_impl import H11Protocol
@@ -74,7 +74,7 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
     def of_map(request: Request) -> Response:
         inspection, query = page.reader.readings[request.path_params["key"]].result(), request.query_params
         if "line" in query:
-            return JSONResponse(cut(inspection["row"], query["line"]))
+            return HTMLResponse(page.filled("cut", **cut(inspection["row"], query["line"])))
         picture = whole(inspection["row"]) if "whole" in query else inspection["picture"]
         return Response(picture, media_type="image/png")
 
@@ -96,7 +96,7 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
     def export(request: Request) -> Response:
         result, form, before = (request.query_params.get(name, "") for name in ("result", "form", "before"))
         if form == "compare" and not before:
-            return HTMLResponse(page.compared(result))
+            return HTMLResponse(page.filled("compared", result=result))
         file, words = commands.export(result, form, before or result, plan=page.context["plan"])
         return FileResponse(file, filename=file.name) if file.is_file() else PlainTextResponse(words)
 

@@ -29,17 +29,18 @@ async function put(response) {
   if (focus) element(focus.id).focus();
 }
 
+const post = (action, body, query = "") => fetch(`${action}?page=${page}${query}`, { method: "POST", body });
+
 async function send(action, more) {
   if (action === "write" && !unsaved) return;  // an answer before it has had all
-  const body = fields(), sent = unsaved;
-  for (const [name, value] of more) body.append(name, value);
-  await put(await fetch(`${action}?page=${page}`, { method: "POST", body }));
+  const sent = unsaved;
+  await put(await post(action, new URLSearchParams([...fields(), ...more])));
   unsaved -= sent;
 }
 
 async function upload(files) {
   const responses = [];
-  for (const file of files) responses.push(await fetch(`drop?page=${page}&name=${encodeURIComponent(file.name)}`, { method: "POST", body: file }));
+  for (const file of files) responses.push(await post("drop", file, `&name=${encodeURIComponent(file.name)}`));
   const paths = await Promise.all(responses.filter(response => response.ok).map(response => response.text()));
   if (paths.length) await send("add", [["page.path", paths.join("\n")]]);
   for (const response of responses) if (!response.ok) await put(response);
@@ -70,47 +71,42 @@ document.addEventListener("input", event => {
 for (const name of ["dragover", "drop"])  // a file beside the field would take the place of the page
   document.addEventListener(name, event => { if (event.target.id !== "choose") event.preventDefault(); });
 
-// The map of a row: heights under the cursor and along a line; a rectangle zooms in, or is written into the cell crop or mask.
+// The map of a row: heights under the pointer or along a line; a rectangle zooms in, or is written into the cell crop or mask.
 let start = null, question = new AbortController();
-const tool = () => document.querySelector("[name=tool]:checked").value;
 
-// where an event is on the map, µm to the right and downwards, as its picture has them
-function position(event) {
-  const map = element("map"), { x, y, width, height } = map.viewBox.baseVal;
-  const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(map.getScreenCTM().inverse());
-  return [Math.min(x + width, Math.max(x, point.x)), Math.min(y + height, Math.max(y, point.y))];
-}
-
-async function tellHeights(from, to) {
+async function tellHeights(address, line) {
   question.abort();  // the last one alone is answered
   question = new AbortController();
-  const line = [from[0], -from[1], to[0], -to[1]];
-  const response = await fetch(`${element("map").dataset.address}?line=${line}`, { signal: question.signal });
-  const { words, curve } = await response.json();
-  element("cursor").textContent = words;
-  if (curve) element("curve").setAttribute("points", curve);
+  const response = await fetch(`${address}?line=${line}`, { signal: question.signal });
+  element("cursor").innerHTML = await response.text();
 }
 
-document.addEventListener("pointerdown", event => { if (event.target.closest("#map")) start = position(event); });
-document.addEventListener("pointermove", event => {
-  if (!start && !event.target.closest("#map")) return;
-  const here = position(event), [x1, y1] = start ?? here, [x2, y2] = here;
-  tellHeights(start && tool() === "line" ? start : here, here).catch(() => {});
-  element("outline").setAttribute("points", tool() === "line" ? [x1, y1, x2, y2] : [x1, y1, x2, y1, x2, y2, x1, y2, x1, y1]);
-});
-document.addEventListener("pointerup", event => {
-  if (!start) return;
-  const here = position(event), map = element("map"), [width, height] = [0, 1].map(axis => Math.abs(here[axis] - start[axis]));
-  const [left, upper] = [0, 1].map(axis => Math.min(start[axis], here[axis])), isClick = !width || !height;
-  start = null;
-  if (tool() === "line") return;
-  element("outline").removeAttribute("points");
-  if (tool() === "zoom") return map.setAttribute("viewBox", isClick ? map.dataset.whole : [left, upper, width, height].join(" "));
-  if (isClick) return;
-  const field = element(`rows.${map.dataset.row}.${tool()}`);
-  const text = `${[left, -upper - height, left + width, -upper].map(side => +side.toPrecision(5)).join(" ")} um`;
-  field.value = tool() === "mask" && field.value ? `${field.value}; ${text}` : text;
+function use(map, tool, { x, y, width, height }) {
+  const isRectangle = width && height, field = element(`rows.${map.dataset.row}.${tool}`);
+  if (tool === "zoom") map.setAttribute("viewBox", isRectangle ? [x, y, width, height].join(" ") : map.dataset.whole);
+  if (!field || !isRectangle) return;
+  const text = `${[x, -y - height, x + width, -y].map(side => +side.toPrecision(5)).join(" ")} um`;
+  field.value = tool === "mask" && field.value ? `${field.value}; ${text}` : text;
   field.dispatchEvent(new Event("input", { bubbles: true }));
+}
+
+for (const kind of ["pointerdown", "pointermove", "pointerup"]) document.addEventListener(kind, event => {
+  const map = element("map"), outline = element("outline"), tool = document.querySelector("[name=tool]:checked")?.value;
+  // a line that was drawn stays until the next one begins
+  const isAsked = kind === "pointerdown" || (kind === "pointermove" && tool !== "line");
+  if (!start && !(isAsked && map?.contains(event.target))) return;
+  // µm to the right and downwards, as its picture has them
+  const { x, y, width, height } = map.viewBox.baseVal;
+  const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(map.getScreenCTM().inverse());
+  const [x2, y2] = [Math.min(x + width, Math.max(x, point.x)), Math.min(y + height, Math.max(y, point.y))];
+  if (kind === "pointerdown") start = [x2, y2];
+  const [x1, y1] = start ?? [x2, y2], isLine = tool === "line";
+  outline.setAttribute("points", isLine ? [x1, y1, x2, y2] : [x1, y1, x2, y1, x2, y2, x1, y2, x1, y1]);
+  tellHeights(map.dataset.address, isLine ? [x1, -y1, x2, -y2] : [x2, -y2, x2, -y2]).catch(() => {});
+  if (kind === "pointerup") start = null;
+  if (kind !== "pointerup" || isLine) return;
+  use(map, tool, outline.getBBox());
+  outline.removeAttribute("points");
 });
 
 for (const name of ["beforeunload", "pagehide"])  // before the next page is asked for, and when this one ends otherwise
