@@ -1055,6 +1055,16 @@ class TestFilesOfOthers:
         assert "run again" not in page.with_bar(Path("results/report.html"), "/")
         assert note in page.after("write", STUDY | {"contact.mean_pressure": "6 MPa"})
         assert note in page.after("write", STUDY | {"rows.0.crop": "0 0 4 4 um"})
+        worn = STUDY | {"wear.coefficient": "1e-7 mm³/(N m)", "wear.distance": "1 m"}
+        assert note in page.after("write", worn)
+        origin["settings"] = json.dumps(page.context["plan"].settings("worn", "one"), sort_keys=True)
+        write_dataset(xr.Dataset(attrs=origin), tmp_path / "results/one/worn.nc")
+        write_summary(SUMMARY, tmp_path / "results/one/panel.json")  # after what it is made of
+        assert note not in page.after("write", worn)
+        assert note in page.after("write", worn | {"wear.distance": "2 m"})
+        assert note in page.after("write", STUDY)  # its answer is of wear
+        (tmp_path / "results/one/worn.nc").unlink()
+        write_summary(SUMMARY, tmp_path / "results/one/panel.json")
         assert note not in page.after("write", STUDY)
         measured.write_bytes(x3p_bytes(np.zeros((8, 8)), 1e-6))
         assert note in page.after("write", STUDY)

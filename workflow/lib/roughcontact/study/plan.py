@@ -230,7 +230,8 @@ class Plan:
         if name in _NOT_OF_ALL and name not in prepared:
             return ""
         stage = role.last_stage if name in prepared else name  # one job makes them all
-        return f"results/{_result(self._owners[case, stage], surface)}/{name}.nc"
+        owner_case = self._owners.get((case, stage), case)  # what follows the contact no other case shares
+        return f"results/{_result(owner_case, surface)}/{name}.nc"
 
     def other_case(self, stage: str, result: str) -> str:
         """Return the case whose file of a stage a result uses, empty where it is its own."""

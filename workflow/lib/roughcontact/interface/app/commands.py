@@ -10,7 +10,7 @@ from pathlib import Path
 from subprocess import DEVNULL, STDOUT, Popen, run
 from typing import Any
 
-from roughcontact.arguments.settings.stages import origin_id
+from roughcontact.arguments.settings.stages import AFTER, origin_id, stages_after
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.interface.app.measurements import READING
 from roughcontact.interface.app.study import check_within_study
@@ -18,7 +18,7 @@ from roughcontact.interface.command_line.saving import EXPORTS
 from roughcontact.report.summary import Summary, read_summary
 from roughcontact.results.storage import read_attributes
 from roughcontact.study.checksums import checksum
-from roughcontact.study.plan import Plan
+from roughcontact.study.plan import Plan, split
 from snakemake_logger_plugin_roughcontact.screen import BAR, ERASE
 
 RESULTS = Path("results")
@@ -76,9 +76,17 @@ def results(plan: Plan | None) -> dict[str, tuple[Mapping[str, Any], bool]]:
             summary = read_summary(panel)
         except InputFileError as error:
             summary = dict.fromkeys(Summary.__annotations__, "") | {"answer": str(error)}
-        origin = _origin(panel.with_name("statistics.nc"), panel.stat().st_mtime_ns)
-        values[name] = summary, plan is not None and plan.origin("statistics", name, checksum) == origin
+        values[name] = summary, plan is not None and _is_of_plan(plan, name, panel)
     return values
+
+
+def _is_of_plan(plan: Plan, name: str, panel: Path) -> bool:
+    """Return whether the files of a result that its answer is made of are those of a plan."""
+    planned = {"statistics", *stages_after(plan.cases[split(name)[0]])}
+    expected = {stage: plan.origin(stage, name, checksum) for stage in planned}
+    date = panel.stat().st_mtime_ns
+    found = {stage: _origin(panel.with_name(f"{stage}.nc"), date) for stage in ("statistics", *AFTER)}
+    return {stage: origin for stage, origin in found.items() if origin} == expected
 
 
 @cache
