@@ -626,6 +626,14 @@ class TestMap:
                 drag(browser, *corners)
                 saved(browser)
             browser.wait("document.querySelector('#cursor').textContent.startsWith('x 100 µm')")  # and stays
+            click(browser, "[name=tool][value=line]")
+            drag(browser, (0.1, 0.5), (0.9, 0.7))
+            browser.wait("document.querySelector('#cursor').textContent.includes('along the line')")
+            # stays until the next one begins
+            browser.send("Input.dispatchMouseEvent", type="mouseMoved", x=200, y=400)
+            saved(browser)
+            assert "along the line" in browser.text("#cursor")
+            assert browser.evaluate("Boolean(document.querySelector('#outline[points]') && element('curve'))")
             picture(browser, "app-map", ".viewer")
             click(browser, "[name=tool][value=mask]")
             drag(browser, (0.6, 0.4), (0.7, 0.6))
