@@ -28,7 +28,7 @@ def slide(face, velocity, compliance=None, load=LOAD, tolerance=1e-4, **options)
 
 
 def area(contact):
-    return np.mean(contact.fields.pressure > 0)
+    return np.mean(contact.pressure > 0)
 
 
 @pytest.mark.parametrize(("across", "points"), [(False, 128), (True, 127)])
@@ -41,7 +41,7 @@ def test_a_wave_in_full_contact_has_its_friction_in_closed_form(across, points):
     speed = 0.3 / q
     contact = slide(face, (0, -speed) if across else (speed, 0), load=2e5)
     exact = (q * amplitude) ** 2 * (1 / solid()(q * speed)).imag / (4 * 2e5)
-    assert contact.fields.pressure.min() > 0
+    assert contact.pressure.min() > 0
     assert contact.friction == pytest.approx(exact, rel=1e-4)
     assert abs(contact.friction - exact) <= contact.friction_bound
 
@@ -53,9 +53,9 @@ def test_slow_and_fast_sliding_are_elastic(speed, modulus, shape):
     face = rc.self_affine_surface(shape, PITCH, **arguments)
     elastic = rc.solve_contact(face, contact_modulus=modulus, mean_pressure=LOAD, tolerance=1e-8)
     contact = slide(face, (speed, 0), tolerance=1e-7)
-    difference = contact.fields.pressure - elastic["pressure"].values[0]
+    difference = contact.pressure - elastic["pressure"].values[0]
     assert np.abs(difference).max() < 1e-4 * elastic["pressure"].values.max()
-    np.testing.assert_allclose(contact.fields.gap, elastic["gap"].values[0], atol=1e-5 * np.ptp(face.values))
+    np.testing.assert_allclose(contact.gap, elastic["gap"].values[0], atol=1e-5 * np.ptp(face.values))
     assert 0 < contact.friction < 1e-4
 
 
@@ -135,15 +135,13 @@ def test_the_bound_is_never_below_the_error_of_a_dense_solution():
         exact = dense_pressure(operator, face.values, load)
         tolerance = 10.0 ** -(1 + seed % 3)
         contact = slide(face, velocity, compliance, load, tolerance)
-        error = symmetric_norm(operator, contact.fields.pressure - exact) / symmetric_norm(
-            operator, contact.fields.pressure
+        error = symmetric_norm(operator, contact.pressure - exact) / symmetric_norm(
+            operator, contact.pressure
         )
         assert contact.error_bound <= tolerance
         assert error <= contact.error_bound * (1 + 1e-9) + 1e-9
         close = slide(face, velocity, compliance, load, 1e-8)
-        assert symmetric_norm(operator, close.fields.pressure - exact) < 1e-7 * symmetric_norm(
-            operator, exact
-        )
+        assert symmetric_norm(operator, close.pressure - exact) < 1e-7 * symmetric_norm(operator, exact)
         assert abs(contact.friction - close.friction) <= contact.friction_bound + close.friction_bound
         ratios.append(contact.error_bound / max(error, 1e-12))
         frictions.append(close.friction)
@@ -243,7 +241,7 @@ def test_direction_turns_and_reflects_with_the_map():
     face, speed = rough(), 3e-6
     along_x = slide(face, (speed, 0), tolerance=1e-8)
     turned = slide(rc.height_map(face.values.T, PITCH), (0, speed), tolerance=1e-8)
-    np.testing.assert_allclose(turned.fields.pressure.T, along_x.fields.pressure, atol=1.0)
+    np.testing.assert_allclose(turned.pressure.T, along_x.pressure, atol=1.0)
     reflected = slide(rc.height_map(face.values[:, ::-1], PITCH), (-speed, 0), tolerance=1e-8)
     assert reflected.friction == pytest.approx(along_x.friction, rel=1e-7)
     back = slide(face, (-speed, 0), tolerance=1e-8)
@@ -257,7 +255,7 @@ def test_work_on_the_face_is_what_the_half_space_dissipates():
     contact = slide(face, (3e-6, 0), tolerance=1e-8)
     frequencies = 2j * np.pi * np.fft.rfftfreq(face.shape[1], PITCH / 4)
     slope = np.fft.irfft(np.fft.rfft(face.values, axis=1) * frequencies, n=face.shape[1], axis=1)
-    work = np.mean(contact.fields.pressure * slope) / LOAD
+    work = np.mean(contact.pressure * slope) / LOAD
     assert contact.friction == pytest.approx(work, rel=2e-3)
     assert contact.friction_of_waves.min() >= 0
     assert contact.friction_of_waves.sum() == pytest.approx(contact.friction)

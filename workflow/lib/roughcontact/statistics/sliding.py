@@ -36,11 +36,9 @@ from roughcontact.arguments.relaxation import Relaxation, relaxation_of
 from roughcontact.arguments.si import as_si
 from roughcontact.arguments.variables import describe
 from roughcontact.contact.certificate import error_bound
-from roughcontact.contact.dataset import FieldsInUnits, fields_in_units, unit_of_pressure
 from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.flash_temperature import flash_temperature
 from roughcontact.contact.grid import Grid
-from roughcontact.contact.iteration import Solution
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import copy_to_host, nondimensionalise, warn_of_seams
 from roughcontact.contact.solve import contact_from
@@ -67,7 +65,8 @@ Compliance = Callable[[np.ndarray], np.ndarray]  # 1/E* (1/Pa, complex) of angul
 class SlidingContact(NamedTuple):
     """The contact at one speed, and what its pressure dissipates."""
 
-    fields: FieldsInUnits
+    pressure: np.ndarray  # (ny, nx; Pa)
+    gap: np.ndarray  # (ny, nx; m)
     error_bound: float  # ||p - p*||_S / ||p||_S
     contacts: int  # elastic contacts that were solved
     friction: float  # mean of p du/ds along the path s of the half-space over the mean pressure
@@ -193,7 +192,7 @@ def sliding_friction(
                     f"speed {each:g} m/s: the error bound stopped at {contact.error_bound:.2g} after "
                     f"{contact.contacts} contacts, above the tolerance {accuracy:g}; raise it"
                 )
-            start, gap = contact.fields.pressure, contact.fields.gap
+            start, gap = contact.pressure, contact.gap
             maps = xr.Dataset(
                 {"pressure": (("y", "x"), start.copy()), "gap": (("y", "x"), gap)}, window.coords
             )
@@ -227,7 +226,7 @@ def _numbers(
     contact: SlidingContact, window: xr.DataArray, rubber: Relaxation, velocity: Velocity, load: float
 ) -> dict[str, Any]:
     """Return the numbers of the contact at one speed by name."""
-    pressure, steps = contact.fields.pressure, spacing(window)
+    pressure, steps = contact.pressure, spacing(window)
     touching = pressure > 0
     qy, qx = wavevectors(window.shape, steps)
     length, frequency = np.hypot(qy, qx), np.abs(velocity[0] * qx + velocity[1] * qy)
@@ -245,7 +244,7 @@ def _numbers(
         AREA: relative_contact_area(touching),
         PRESSURE: float(pressure[touching].mean()),
         PEAK: float(pressure.max()),
-        GAP: float(np.where(touching, 0.0, contact.fields.gap).mean()),  # within the contact it is rounding
+        GAP: float(np.where(touching, 0.0, contact.gap).mean()),  # within the contact it is rounding
         "friction_share_of_octave": ("octave", np.bincount(octave.ravel(), share_of_waves.ravel())),
         "friction_share_of_last_octave": float(share_of_waves[length * last_octave >= 2 * np.pi].sum()),
         "friction_share_beyond_table": float(share_of_waves[outside_table].sum()),
@@ -291,6 +290,7 @@ def sliding_contact(
     heights, steps = window.values, spacing(window)
     sides = np.multiply(heights.shape, steps)
     unit_length = math.sqrt(math.prod(sides))
+    lengths = sides[0] / unit_length, sides[1] / unit_length
 
     @cache
     def symbols(ny: int, nx: int) -> tuple[np.ndarray, np.ndarray]:
@@ -323,19 +323,11 @@ def sliding_contact(
         contact = contact_from(face, typical, start, load=load, tolerance=aim, threads=threads)
         start = pressure = contact["pressure"].values[0]
         level = heights + applied(reflection, 2 * applied(size, pressure) - level + heights)
-        scaled_problem = nondimensionalise(
-            window.copy(data=heights + applied(storage - symbol, pressure)), threads=threads
-        )
-        unit = unit_of_pressure(scaled_problem, modulus)
+        raised = heights + applied(storage - symbol, pressure)
         grid = Grid(
-            scaled_problem.heights,
-            scaled_problem.lengths,
-            stiff.scaled(scaled_problem.unit_length, unit),
-            reference=scaled_problem.reference,
-            unit=scaled_problem.scale,
-            threads=threads,
+            (raised - raised.mean()) / unit_length, lengths, stiff.scaled(unit_length), threads=threads
         )
-        state = grid.evaluate(pressure / unit)[0]
+        state = grid.evaluate(pressure / modulus)[0]
         bound = error_bound(grid, state, grid.residual(state, precision=DOUBLE))
         aim, contacts = INNER * max(min(bound, 1.0), tolerance), contacts + 1
     power = halfplane_weights(heights.shape) * wave_power(pressure)
@@ -344,8 +336,10 @@ def sliding_contact(
     # <p, L p> - <p*, L p*> = 2 <e, L p> - <e, L e>, L the symmetric operator of the dissipation
     error = bound * math.sqrt(float((power * storage).sum()))
     linear = 2 * error * math.sqrt(float((power * loss * loss_tangent).sum()))
+    gap = applied(symbol, pressure) - heights
     return SlidingContact(
-        fields_in_units(Solution(state, bound, contacts), scaled_problem, stiff, threads=threads),
+        pressure,
+        gap - gap[pressure > 0].mean(),
         bound,
         contacts,
         float(friction_of_waves.sum()),
