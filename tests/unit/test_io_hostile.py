@@ -145,8 +145,8 @@ def test_a_good_map_beside_what_is_too_long_is_read(tmp_path):
 
 @pytest.mark.parametrize(
     "line",
-    ["a" + 4000 * " " + "b", "Pixel size: 2" + 4000 * " " + "x", 4000 * "a" + ": 5 µm"],
-    ids=["blanks", "a number and blanks", "a long name"],
+    ["a" + 4000 * " " + "b", "Pixel size: 2" + 4000 * " " + "x", 4000 * "a" + ": 5 µm", 2000 * "a "],
+    ids=["blanks", "a number and blanks", "a long name", "many words"],
 )
 def test_a_long_line_above_a_table_takes_no_time(read, line):
     start = time.process_time()

@@ -88,12 +88,17 @@ def _are_names_above_units(lines: Sequence[str], count: int, delimiter: str | No
 
 
 def miscounted(line: str, count: int, delimiter: str | None) -> int:
-    """Return how many columns a line names, where the table below it has another `count`; or 0."""
+    """Return how many columns a line names, where the table below it has another `count`; or 0.
+
+    Examples
+    --------
+    >>> miscounted("x (um);y (um);z (um)", 4, ";"), miscounted("x (um);y (um);z (um)", 3, ";")
+    (3, 0)
+    """
     has_delimiter = delimiter is not None and delimiter in line
-    if len(line) > _MAX_LINE_LENGTH or re.search(r"\d[.,]\d", line):  # to try all widths would never end
+    if len(line) > _MAX_LINE_LENGTH or re.search(r"\d[.,]\d", line):
         return 0
-    max_width = len(line.strip(" \r\n").split(delimiter if has_delimiter else None))
-    for width in range(2, max_width + 1):
+    for width in sorted({*map(_filled, _divided(line, delimiter))} - {0, 1}):
         columns = [_column(cell) for cell in _cells(line, width, delimiter)]
         useful = [column for column in columns if column.role or column.unit]
         positions = any(column.role in ("x", "y") for column in useful)
@@ -153,31 +158,40 @@ def is_heading(cell: str) -> bool:
     return bool(column.role or column.unit)
 
 
-def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
-    """Return the cells of a line of headings; none if it is an entry, or if they are not `count`."""
+def _divided(line: str, delimiter: str | None) -> list[list[str]]:
+    """Return the ways to divide a line of headings into cells, the strictest first."""
     text = line.strip(" \r\n").lstrip("#%/*").strip(" " if delimiter == "\t" else None)
     text = _LABEL.sub("", text)
     if len(text) > _MAX_LINE_LENGTH or not text:
         return []
-    has_delimiter = delimiter is not None and delimiter in text
-    cells = text.split(delimiter) if has_delimiter else re.split(r"\t|\s\s+", text)
-    if not has_delimiter and all(map(is_length, text.split())):
-        cells = text.split()
-    while len(cells) > count and not cells[-1].strip():
-        cells.pop()
-    if len(cells) != count and not has_delimiter:
-        cells = re.sub(r"(?<!\s)\s+(?:(?=[(\[])|in\s+)", "\0", text).split()
-    if len(cells) != count and not has_delimiter and not _ENTRY.search(line):  # "Position Y Height"
-        named = [blank.sub("\\1\0\\2", " ".join(cells)).split() for blank in _BLANKS_IN_NAMES]
-        named = [names for names in named if len(names) == count]
-        if len(named) == 2 and named[0] != named[1]:
-            way_out = "write each name without blanks, or a tab between them"
-            raise InputFileError(f"{line.strip()[:60]!r}: {way_out}")
-        cells = named[0] if named else cells
+    if delimiter is not None and delimiter in text:
+        return [text.split(delimiter)]
+    words = text.split()
+    wide = words if all(map(is_length, words)) else re.split(r"\t|\s\s+", text)
+    narrow = re.sub(r"(?<!\s)\s+(?:(?=[(\[])|in\s+)", "\0", text).split()
+    # "Position Y Height"
+    return [wide, narrow, *(blank.sub("\\1\0\\2", " ".join(narrow)).split() for blank in _BLANKS_IN_NAMES)]
+
+
+def _filled(cells: Sequence[str]) -> int:
+    """Return the number of cells without the empty ones at the end."""
+    return max((number for number, cell in enumerate(cells, start=1) if cell.strip()), default=0)
+
+
+def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
+    """Return the cells of a line of headings; none if it is an entry, or if they are not `count`."""
+    if _ENTRY.search(line):
+        return []
+    ways = _divided(line, delimiter)
+    fitting = [cells[:count] if _filled(cells) <= count <= len(cells) else [] for cells in ways]
+    if len(ways) > 1 and not any(fitting[:2]) and all(fitting[2:]) and fitting[2] != fitting[3]:
+        way_out = "write each name without blanks, or a tab between them"
+        raise InputFileError(f"{line.strip()[:60]!r}: {way_out}")
+    cells = next(filter(None, fitting), [])
     # "Y_um , X_um , Z_um" names columns, though its last cell alone would state a unit
     columns = [_column(cell.strip()) for cell in cells]
-    are_names = has_delimiter and all(column.role and column.name.isalnum() for column in columns)
-    if len(cells) != count or _ENTRY.search(line) or (not are_names and statements([line])):
+    are_names = len(ways) == 1 and all(column.role and column.name.isalnum() for column in columns)
+    if not are_names and statements([line]):
         return []
     return [cell.replace("\0", " ").strip(' "').rstrip(",;").strip() for cell in cells]
 
