@@ -93,7 +93,8 @@ def test_the_distances_of_a_sensor_above_a_stage_are_heights(read):
     [
         *((word, "") for word in ("EOF", "*** End of data ***", "-- Ende --", "结束", "# Ra = 0.25")),
         ("Ra;0,25;µm\nMean: 3,5", r"below the table, line 14 ('Ra;0,25;µm') and 1 line more is left out"),
-        ("Total points: 12", "line 14 ('Total points: 12')"),
+        ("Total points: 12", ""),
+        ("Total points: 13", "line 14 ('Total points: 13')"),
     ],
 )
 @pytest.mark.parametrize("line_end", ["", "\n"])

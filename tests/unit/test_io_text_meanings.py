@@ -173,6 +173,9 @@ def test_a_number_of_the_header_that_many_points_have_is_asked_in_any_words(read
         ("Première ligne : en haut", "top"),
         ("primera fila abajo", "bottom"),
         ("prima riga in alto", "top"),
+        ("Row order: bottom to top", "bottom"),
+        ("第一行为底部", "bottom"),
+        ("Первая строка: верх", "top"),
         ("Letzte Zeile ist oben", "bottom"),
         ("première ligne = bas de l'image", "bottom"),
         ("La prima riga è quella inferiore", "bottom"),
@@ -189,7 +192,7 @@ def test_the_order_of_the_rows_is_read(read, line, row):
     assert "first_row" not in warnings_of(height)
 
 
-TURNED = """Lignes de bas en haut; Righe dal basso verso l'alto; 第一行为底部; 最初の行が下; tourné de 90°
+TURNED = """Lignes de bas en haut; Righe dal basso verso l'alto; tourné de 90°
 girado 90 grados; ruotato di 90°; Spalten sind Zeilen; Vertiefungen positiv; Les creux sont positifs; 深度
 Täler positiv; Abstand zum Sensor; distance sensor-surface; working distance minus height; first derivative
 Steigung; pente; pendiente; intensity image; Grauwerte; niveaux de gris; Kamerabild; phase image; Amplitude

@@ -40,6 +40,7 @@ _COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*(?!point|p
 _COUNT = re.compile(r"[:=\s]\s*(\d{1,9})\W*$")
 _SAMPLE = 2**18  # heights among which the most frequent ones are looked for
 _FREQUENT = 0.005  # share of the points at one height, as of a marker
+_MIN_LEVELS = 4  # heights of which one may stand apart
 _CLOSE, _WIDEST = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with their rounding
 _MAX_QUOTED = 3  # lines in a question
 # what a line may concern -> the keys that it asks for, and the sentence; of several the first counts
@@ -145,6 +146,21 @@ def _frequent(heights: np.ndarray) -> set[float]:
     return {*levels[counts > max(2.0, _FREQUENT * counts.sum())].tolist()}
 
 
+def _apart(heights: np.ndarray) -> set[float]:
+    """Return the lowest and highest height where they are further from all others than these span.
+
+    Examples
+    --------
+    >>> _apart(np.array([1.0, 2.0, 2.5, -99.0, -99.0]))
+    {-99.0}
+    """
+    levels = np.unique(heights)
+    if levels.size < _MIN_LEVELS:
+        return set()
+    gaps = {levels[0]: levels[1] - levels[0], levels[-1]: levels[-1] - levels[-2]}
+    return {float(level) for level, gap in gaps.items() if 2 * gap > np.ptp(levels)}
+
+
 def sources(file: MeasuredFile, channel: Channel, request: Request) -> dict[str, str]:
     """Return where each thing that a map needs comes from, by the columns that state it."""
     fallback = "assumed" if channel.sources else file.format.partition(" (")[0]
@@ -197,7 +213,7 @@ def lines_not_used(
     lateral_factor = metres(unit) if is_length(unit := channel.lateral_unit or request.unit) else None
     texts = {"dx": quantity(dx, "m"), "dy": quantity(dy, "m")}
     exempt, listing, notes = ignored_lines(request), [], []
-    frequent = set() if is_integer else _frequent(finite)
+    conspicuous = _apart(finite) | (set() if is_integer else _frequent(finite))
     for number, text in channel.unused:
         lengths = parse_lengths(text)
         values = [float(match) for match in _PLAIN.findall(text.replace(",", "."))]
@@ -211,7 +227,7 @@ def lines_not_used(
         strange = "elsewhere" not in matters and not all(length.agrees(used) for length in with_number)
         counts = _COUNTS.search(text)
         strange_points = counts is not None and {*map(int, counts.groups())} != {nx, ny}
-        contradicts = stated_above and (strange or strange_points)
+        contradicts = stated_above and (strange or (strange_points and "elsewhere" not in matters))
         is_count = "points" in matters and not matters & {"marker", "elsewhere"}
         number_of = _COUNT.search(text) if is_count else None  # in words that are not known
         strange_count = number_of is not None and int(number_of[1]) not in (0, 1, nx, ny, nx * ny)
@@ -219,7 +235,7 @@ def lines_not_used(
         is_limit = matters >= {"limit", "validity"} and "lateral" not in matters and "%" not in text
         limits = [length.value / height_factor for length in with_number] or values
         beyond_count = _count_beyond(finite, limits) if is_limit else 0
-        may_be_marker = "marker" in matters or ("elsewhere" not in matters and frequent & {*values[-1:]})
+        may_be_marker = "marker" in matters or ("elsewhere" not in matters and conspicuous & {*values[-1:]})
         marker_count = int(np.count_nonzero(finite == values[-1])) if values and may_be_marker else 0
         if is_limit and not beyond_count and not marker_count:
             continue

@@ -112,6 +112,8 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         if extent.unit and abs(extent.value - span) <= 0.01 * span:  # in the unit of the heights
             by_meaning.setdefault("height_unit", [extent._replace(value=extent.unit)])
     columns = headed(rows.heading, width, dialect.delimiter)
+    if columns and width == 1 and columns[0].name and columns[0].role != "z":
+        columns = None  # another line with a unit
     if not columns and width > 1 and np.array_equal(values[:, 0], np.arange(1, len(values) + 1)):
         named = headed(rows.heading, width - 1, dialect.delimiter)  # R numbers its rows, below no heading
         columns = [Column("", None, "index"), *named] if named else None
@@ -212,7 +214,8 @@ def _file(text: _Text) -> MeasuredFile:
     values, columns = text.values, text.columns
     rows, count = values.shape
     groups = layout(columns) if columns else None
-    if columns and not groups and any(column.name for column in columns) and not are_map_columns(columns):
+    unnamed = not any(column.name for column in columns or ())
+    if columns and not groups and count > 1 and not unnamed and not are_map_columns(columns):
         listing = listed([f"{name} ({unit})" if unit else name for name, unit, _ in columns if name])
         wrong = f"nothing says which of the {count} columns {listing} are positions and heights"
         way_out = "name them x, y and z, in the line above the table, or delete that line above"
@@ -248,6 +251,9 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
         wrong = f"{first_line} begins anew, or has an empty column: maps beside one another"
         raise InputFileError(f"{wrong}; {_LEAVE_ONE}, or write NaN where a column is missing")
     unit, note = _unit_in_corner(text.rows.label)
+    if heights_unit := unit_of_heights(text.rows.label):
+        text.stated.setdefault("height_unit", [Statement(heights_unit, line=text.rows.lines[0])])
+        note = ""
     axes = find_axes(values, corner=text.empty_corner, positions=bool(unit))
     if are_points(values.T):
         raise InputFileError(f"{first_line} holds positions: write the points in columns, x, (y,) z")

@@ -12,6 +12,9 @@ from roughcontact.io.vocabulary import meanings, pattern, words
 _MAX_LINE_LENGTH = 4096  # characters of a line of headings
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
 _ENTRY = re.compile(r"[^\W\d][.)\]]?\s*[:=]\s*[-+.]?\d")  # a number behind a word: no heading
+# as a whole cell, or behind a separator that is not the table's
+_VALUE = re.compile(r"[-+]?[\d.,]+\s*(?:\[?[^\W\d_]+\]?)(?:/\w+)?|\d[\d.,-]*|=")
+_VALUE_BEHIND = re.compile(r"[^\W\d];\s*[-+.]?\d")
 # before the names
 _LABEL = re.compile(r"(?i)(?:columns?|fields|formats?|spalten|colonn[ei]s?|columnas)\b\s*[:=]?\s+(?!\d)")
 # above a matrix, as ``Height (nm)``, ``z/nm``
@@ -75,6 +78,12 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
             corner, *named_columns = columns
             if not corner.name and not corner.unit and all(column.name for column in named_columns):
                 columns[0] = corner._replace(role="index")
+            roles = [column.role for column in columns]
+            if number and all(roles) and not any(column.unit for column in columns):
+                above = headed(near_lines[:number], count, delimiter) or columns  # "x in mm; z in nm"
+                if [column.role for column in above] == roles:
+                    pairs = zip(columns, above, strict=True)
+                    columns = [column._replace(unit=other.unit) for column, other in pairs]
             return columns
         elif delimiter is not None and delimiter in line and nearest is None:
             nearest = columns
@@ -96,7 +105,8 @@ def miscounted(line: str, count: int, delimiter: str | None) -> int:
     (3, 0)
     """
     has_delimiter = delimiter is not None and delimiter in line
-    if len(line) > _MAX_LINE_LENGTH or re.search(r"\d[.,]\d", line):
+    only_units = statements([line]).keys() & {"lateral_unit", "height_unit"}
+    if len(line) > _MAX_LINE_LENGTH or re.search(r"\d[.,]\d", line) or only_units:
         return 0
     for width in sorted({*map(_filled, _divided(line, delimiter))} - {0, 1}):
         columns = [_column(cell) for cell in _cells(line, width, delimiter)]
@@ -165,7 +175,13 @@ def _divided(line: str, delimiter: str | None) -> list[list[str]]:
     if len(text) > _MAX_LINE_LENGTH or not text:
         return []
     if delimiter is not None and delimiter in text:
-        return [text.split(delimiter)]
+        cells = text.split(delimiter)
+        names_and_units = cells[1::2] and all(map(is_length, cells[1::2])) and all(map(str.strip, cells[::2]))
+        if len(cells) % 2 == 0 and names_and_units and not any(map(is_length, cells[::2])):
+            cells = [" ".join(pair) for pair in zip(cells[::2], cells[1::2], strict=True)]  # "x, µm, z, nm"
+        return [cells]
+    if delimiter in (";", ",") and "\t" in text:
+        return []  # an entry of a header
     words = text.split()
     wide = words if all(map(is_length, words)) else re.split(r"\t|\s\s+", text)
     narrow = re.sub(r"(?<!\s)\s+(?:(?=[(\[])|in\s+)", "\0", text).split()
@@ -180,20 +196,22 @@ def _filled(cells: Sequence[str]) -> int:
 
 def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
     """Return the cells of a line of headings; none if it is an entry, or if they are not `count`."""
-    if _ENTRY.search(line):
+    if _ENTRY.search(line) or (delimiter != ";" and _VALUE_BEHIND.search(line)):
         return []
     ways = _divided(line, delimiter)
     fitting = [cells[:count] if _filled(cells) <= count <= len(cells) else [] for cells in ways]
     if len(ways) > 1 and not any(fitting[:2]) and all(fitting[2:]) and fitting[2] != fitting[3]:
         way_out = "write each name without blanks, or a tab between them"
         raise InputFileError(f"{line.strip()[:60]!r}: {way_out}")
-    cells = next(filter(None, fitting), [])
+    chosen = next(filter(None, fitting), [])
+    cells = [cell.replace("\0", " ").strip(' "').rstrip(",;").strip() for cell in chosen]
+    columns = [_column(cell) for cell in cells]
+    known = sum(bool(column.role or column.unit) for column in columns)
+    is_sentence = bool(ways) and chosen is not fitting[0] and 2 * known < count
     # "Y_um , X_um , Z_um" names columns, though its last cell alone would state a unit
-    columns = [_column(cell.strip()) for cell in cells]
     are_names = len(ways) == 1 and all(column.role and column.name.isalnum() for column in columns)
-    if not are_names and statements([line]):
-        return []
-    return [cell.replace("\0", " ").strip(' "').rstrip(",;").strip() for cell in cells]
+    is_entry = any(map(_VALUE.fullmatch, cells)) or (not are_names and bool(statements([line])))
+    return [] if is_sentence or is_entry else cells
 
 
 def _column(cell: str) -> Column:
@@ -206,6 +224,8 @@ def _role(name: str) -> str:
     """Return the role of a column by its name: the letter of an axis, all of it, or its first word."""
     name_parts = re.split(r"[\s_]+", name.lower())
     full_name = re.sub(r"[\W_]", "", "".join(name_parts))
+    if full_name[:1].isdigit():  # "50x" of a lens
+        return ""
     if letter := _LETTER.fullmatch("".join(filter(str.isalpha, full_name))):
         return letter[1]
     spellings = (full_name, *("".join(filter(str.isalpha, text)) for text in (full_name, name_parts[0])))

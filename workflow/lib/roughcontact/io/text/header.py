@@ -46,6 +46,7 @@ _BEFORE_A_NUMBER = re.compile(r"([^\d;,]*[^\W\d])\s+([\[(]?[-+.]?\d.*)")
 _AROUND = re.compile(
     r"([^\d:=;,]*?)\s*\b((?:[\d.,]+\s*[^\W\d_]*?\s*(?:[x×*/]|by)\s*)?[\d.,]+\s*([^\W\d_]+[²2]?))(?:\s*/\s*|\s+)([^\d:=;,(]+)"
 )
+_IS_X = re.compile(f"d?(?:{_SIDES['x']})", re.IGNORECASE)
 _UNKNOWN_ORDER = re.compile(r"[(\[]\s*([^\W\d]\w*)\s*[x×,;/*]\s*[^\W\d]\w*\s*[)\]]")
 _WIDE_MARKS = {ord(wide): mark for wide, mark in zip("，、；", (", ", ", ", "; "), strict=True)}
 _ONE_AXIS = re.compile(rf"({_SIDE})(?:[\s-]*(?:axis|direction))?\s*:\s*(.+,.+)", re.IGNORECASE)
@@ -57,6 +58,7 @@ _PIECES = re.compile(
 )
 # "18 columns"
 _COUNTED = re.compile(r"(\d+(?:\s*[x×]\s*\d+)?)\s+([^\W\d]+)(?:\s*(?:[x×]|\band\b|\bby\b)\s*|$)")
+_MOST_POINTS = 1e9  # of a map
 _MAX_UNIT = 20  # characters of a unit behind words
 _MAX_PHRASE = 200  # characters of an entry in words; the patterns take the square of their number
 NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
@@ -66,6 +68,14 @@ _BETWEEN_SIDES = re.compile(
 )
 _RANGE = re.compile(r"(?:[^\w%]|x|by|to|bis)*\d")  # a second number behind the first: two sides, or limits
 _PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:p[ií]xel|pix|px|point|pt|sample)s?$", re.IGNORECASE)
+_DENSITY = re.compile(
+    r"(?i)\b(?:pixels?|px|points?|pts|samples?|punkte)\s*(?:/|per|pro|par|por)\s*([^\W\d]+)"
+)
+_PER_COUNT = re.compile(r"(?i)\s*(?:/|per|pro|par|por)\s*(?:digit|count|lsb|inc|increment|bit)s?$")
+# of one axis, above several entries: "Axis: X"
+_SECTION = re.compile(
+    r"(?i)\[?(?:(?:axis|achse|axe|asse|eje)\s*[:=]?\s*([xyz])|([xyz])[ -]?(?:axis|achse))\]?:?"
+)
 _FORTRAN = re.compile(r"(\d\.\d*)[dD]([-+]\d\d)(?!\w)")  # double precision, 1.5D-03
 _CAMERA = pattern("aside", "camera")
 _HEIGHT_WORDS = "|".join(words("header")["height"] + words("part")["height"])
@@ -131,9 +141,15 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
     >>> print(*statements(["Width: 1,234 µm"], sign=".")["length_x"])
     line 1 says 'Width: 1,234 µm'
     """
-    by_meaning = Stated()
+    by_meaning, section = Stated(), ""
     for number, line in enumerate(islice(lines, _MAX_LINES), start=start):
-        text = line.translate(_WIDE_MARKS).strip().lstrip("#%;!\\*/ \t").strip()
+        text = line.translate(_WIDE_MARKS).strip().lstrip("#%;!\\*/' \t").strip()
+        if found := _SECTION.fullmatch(text):
+            section = (found[1] or found[2]).lower()
+        quoted = text
+        key = re.match(r"[^\d:=\t]*[^\W\d](?=\W*[:=\t])", text[:_MAX_PHRASE]) if section else None
+        if key and _meaning(f"{key[0]} {section}"):
+            text = f"{key[0]} {section}{text[key.end() :]}"
         if len(text) > _MAX_PHRASE:
             text = re.sub(r"(\s)\s+", r"\1", text)
         if not text or len(line) > _MAX_LINE_LENGTH or _CAMERA.search(text):
@@ -153,7 +169,7 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
         # all pieces are entries, or the line is one
         is_whole = is_single or (entries and all(entries))
         for meaning, statement in chain(*entries) if is_whole else _parsed(text, sign):
-            by_meaning.setdefault(meaning, []).append(statement._replace(line=number, text=text))
+            by_meaning.setdefault(meaning, []).append(statement._replace(line=number, text=quoted))
     return by_meaning
 
 
@@ -274,8 +290,13 @@ def _agree(first: tuple[Statement, int], second: tuple[Statement, int], general:
 def _phrases(text: str) -> list[tuple[str, str]]:
     """Return the keys and values of a line with two sides, units of axes, or numbers among its words."""
     pair = _TWO_SIDES.fullmatch(text) if len(text) < _MAX_PHRASE else None
-    if pair and len(_LABEL.findall(pair[2])) == 2 and _meaning(pair[1]) in _TWO_VALUES:
-        return [(pair[1], pair[2])]
+    name, sides = pair.groups() if pair else ("", text[:_MAX_PHRASE] if text[:1].isdigit() else "")
+    labels = ["".join(groups) for groups in _LABEL.findall(sides)]
+    if not name and not {*labels} & {"x", "y", *_PIXEL_WORDS}:
+        name = "size"  # "7 µm wide, 8 µm high"
+    one_each = sorted(bool(_IS_X.fullmatch(label)) for label in labels) == [False, True]
+    if one_each and _meaning(name) in _TWO_VALUES:
+        return [(name, sides)]
     if axes := _units_of_axes(text):
         return axes
     if text[:1].isdigit() and not _COUNTED.sub("", text):
@@ -373,35 +394,60 @@ def _meaning(key: str) -> str | None:
 
 def _parse_entry(key: str, value: str, sign: str) -> Entries:
     """Yield the meanings and statements of one entry; none where it is not understood."""
-    key, value, axes = _strip_sides(key, value.strip(' "\t;,'))  # a spreadsheet fills lines with separators
-    name, opening, remainder = key.replace("[", "(").partition("(")
-    unit = remainder.replace("]", ")").partition(")")[0].removeprefix("->").strip() if opening else ""
-    if unit.lower() in ("x", "y"):  # "Pixel size (x)": a side, no unit
-        name, unit = f"{name} {unit}", ""
-    head, _, last = re.sub(r"[\s_/]+(?:in[\s_]+)?(?=[^\s_/]+$)", "\0", name.strip()).partition("\0")
-    if not opening and last != "in" and is_length(last) and _meaning(head):  # "width_um"
-        name, unit = head, last
+    value = value.strip(" \"\t;,'")  # a spreadsheet fills lines with separators
+    density = _DENSITY.search(value) or _DENSITY.search(key)
+    if density and is_length(density[1]):
+        yield from _parse_density(_DENSITY.sub("", key), value, density[1], sign)
+        return
+    key, value, axes = _strip_sides(key, value)
+    name, unit = _name_and_unit(key)
     meaning = _meaning(name)
     if meaning == "length_y" and is_length(value) and _HEIGHT_WORD.fullmatch(name.strip()):
         meaning = "height_unit"  # "Height: nm", without a number, is no side of the map
     elif meaning == "z":
         meaning = "height_unit" if is_length(value) else None
-    if meaning is None:
-        return
+    product, per_count = NUMBER.match(value), _PER_COUNT.search(value)
+    if product and (per_count or (meaning == "height_unit" and not is_length(value))):
+        value = _PER_COUNT.sub("", value)  # "Heights in 0.1 nm"
+        meaning = "z_factor" if is_length(value[product.end() :].strip()) else None
     if meaning in _TEXT_ENTRIES:
-        no_unit = meaning in ("unit", "lateral_unit") or (meaning == "height_unit" and value[:1].isdigit())
+        no_unit = meaning in ("unit", "lateral_unit") and not is_length(value)
         no_date = meaning == "acquisition_time" and not re.search(r"\d\d", value)  # a heading
-        if value and (is_length(value) or not no_unit) and not no_date:
+        if value and not no_unit and not no_date:
             yield meaning, Statement(value)
-        return
+    elif meaning:
+        of_counts = _UNIT_IN_NAME.get(name.strip().lower(), "")
+        if of_counts and product:  # SPIP: the lengths too
+            yield "lateral_unit", Statement(of_counts)
+        yield from _parse_quantities(meaning, (key, value, axes), unit or of_counts, sign)
+
+
+def _name_and_unit(key: str) -> tuple[str, str]:
+    """Return a key without its unit, and the unit.
+
+    Examples
+    --------
+    >>> _name_and_unit("Pixel size (µm)"), _name_and_unit("Pixel size (x)"), _name_and_unit("width_um")
+    (('Pixel size ', 'µm'), ('Pixel size  x', ''), ('width', 'um'))
+    """
+    name, opening, remainder = key.replace("[", "(").partition("(")
+    unit = remainder.replace("]", ")").partition(")")[0].removeprefix("->").strip() if opening else ""
+    if unit.lower() in ("x", "y"):  # a side
+        return f"{name} {unit}", ""
+    head, _, last = re.sub(r"[\s_/]+(?:in[\s_]+)?(?=[^\s_/]+$)", "\0", name.strip()).partition("\0")
+    return (
+        (head, last) if not opening and last != "in" and is_length(last) and _meaning(head) else (name, unit)
+    )
+
+
+def _parse_quantities(meaning: str, entry: tuple[str, str, str], unit: str, sign: str) -> Entries:
+    """Yield the meanings and statements of the one or two numbers of an entry: its key, value and axes."""
+    key, value, axes = entry
     value = re.sub(r"[\[(](?=[-+.\d])|(?<=\d)[\])]", "", value.replace("×", "x").replace("*", "x"))
     sides = _BETWEEN_SIDES.split(value)
     if len(sides) == 1 or meaning not in _TWO_VALUES:
         if match := NUMBER.match(value):
-            of_counts = _UNIT_IN_NAME.get(name.strip().lower(), "")
-            if of_counts:  # SPIP: the lengths too
-                yield "lateral_unit", Statement(of_counts)
-            yield from _parse_numbers(meaning, match, unit or of_counts, sign)
+            yield from _parse_numbers(meaning, match, unit, sign)
         return
     axes = axes[::-1] if meaning == "shape" else axes  # of NumPy: rows first
     order = _UNKNOWN_ORDER.search(key)
@@ -422,6 +468,15 @@ def _parse_entry(key: str, value: str, sign: str) -> Entries:
         yield from _parse_numbers(form.format(axis), number, unit, sign)
 
 
+def _parse_density(key: str, value: str, unit: str, sign: str) -> Entries:
+    """Yield the step of a number of pixels in one `unit` of length."""
+    meaning, number = _meaning(key) if key.strip() else "step", NUMBER.match(value)
+    meaning = _BY_UNIT.get(meaning or "", [meaning])[0]
+    count, rounding = number_and_rounding(number[0], sign) if number else (0.0, 0.0)
+    if count > 0 and meaning in ("dx", "dy", "step", "per_pixel"):
+        yield meaning.replace("per_pixel", "step"), Statement(1 / count, unit, rounding / count**2)
+
+
 def _strip_sides(key: str, value: str) -> tuple[str, str, str]:
     """Return a key and a value without the names of the sides of a map, and the axes of its two numbers.
 
@@ -436,8 +491,7 @@ def _strip_sides(key: str, value: str) -> tuple[str, str, str]:
     bare_key, bare_value = _ORDER.sub("", key), _ORDER.sub("", value)
     labels = ["".join(groups) for groups in _LABEL.findall(bare_value)]
     names = [*(order.groups() if order else ()), *labels][-2:]
-    is_x = re.compile(f"d?(?:{_SIDES['x']})", re.IGNORECASE).fullmatch
-    axes = "".join("x" if is_x(name) else "y" for name in names)
+    axes = "".join("x" if _IS_X.fullmatch(name) else "y" for name in names)
     if sorted(map(str.lower, names)) == ["h", "v"]:  # beside a vertical side h is the horizontal one
         axes = "".join("x" if name in "hH" else "y" for name in names)
     if axes not in ("xy", "yx"):
@@ -454,7 +508,7 @@ def _parse_numbers(meaning: str, match: re.Match[str], unit: str, sign: str) -> 
     if meaning in _BY_UNIT:  # "Pixel x: 0.4 µm" is a step, "Pixel x: 18" a number of them
         meaning = _BY_UNIT[meaning][not is_length(_PER_PIXEL.sub("", value_unit or unit))]
     number, rounding = number_and_rounding(match[0].rstrip(".,"), sign)
-    if meaning == "invalid" and number < 0:  # else it may be the number of such points
+    if meaning == "invalid" and not 0 <= number < _MOST_POINTS:  # else it may be the number of such points
         meaning = "missing"
     if meaning in _COUNTS:  # 1,024 and 18.0000001
         number = float(re.sub(r"\D", "", match[0])) if math.isnan(number) else round(number, 6)

@@ -135,7 +135,9 @@ def split_text(text: str) -> tuple[list[Rows], list[int], Dialect, list[str]]:
     body, footer, dialect = split_footer(body, header)
     header, body, remarks = strip_remarks(header, body, dialect)
     last_line = len(header) + len(body)
-    notes = [*_left_out_below(footer, last_line + 1), *remarks]
+    count = [str(sum(map(is_row, body)))] if any(footer) else []  # "Total points: 252"
+    lines_below = ["" if re.findall(r"\d+", line) == count else line for line in footer]
+    notes = [*_left_out_below(lines_below, last_line + 1), *remarks]
     if not footer:
         notes += _cut_number(body, dialect.delimiter, text, last_line)
     if empty := sum(len([*takewhile(_is_empty_row, reversed(lines))]) for lines in (header, footer)):
@@ -352,6 +354,8 @@ def split_footer(body: list[str], header: Sequence[str] = ()) -> tuple[list[str]
     dialect = separators(table, header)
     width = len(table[-1].strip().split(dialect.delimiter))
     rows = [line for line in footer if line.strip() and word_in_row(line, width, dialect) is not None]
+    if width <= 3 and all(line.strip()[0].isalpha() for line in rows):  # no position: "Mean;0.25"
+        rows = []
     return (body, [], dialect) if rows else (table, footer, dialect)  # rows with unknown words
 
 
