@@ -56,6 +56,8 @@ def mean_gap(value, lower, upper=NAN):
         (gap(5e-8, 0.0, 1e-7, critical_constriction_x_parts=[[5e-8]] * 7 + [[0.0]] * 2), 0),
         (gap(5e-8, 0.0, 1e-7, critical_constriction_x_parts=[[5e-8]] * 6 + [[0.0]] * 3), NAN),
         (gap(0.0, 0.0, 1e-7, critical_constriction_x_parts=[[0.0]] * 9), 1),
+        # parts do not close what is open by its contact area
+        (gap(0.0, 0.0, 1e-7, critical_constriction_x_parts=[[0.0]] * 9, relative_contact_area=[0.05]), NAN),
         (gap(0.0, 0.0, 1e-7, critical_constriction_x_parts=[[0.0]] * 5 + [[NAN]] * 4), NAN),
     ],
 )
@@ -135,7 +137,7 @@ def test_yield_below_the_surface_counts_and_first_yield_far_below_the_load():
     np.testing.assert_array_equal(is_yielding(numbers | elastic), [0, 0])
 
 
-@pytest.mark.parametrize(("maps", "least"), [("ten", 0.95), ("others", 0.92)])
+@pytest.mark.parametrize(("maps", "least"), [("ten", 0.95), ("others", 0.94)])
 def test_the_decided_answers_of_a_seal_are_right_of_other_places(maps, least):
     """Counts of `benchmarks/sealing.py`: at most 25 of 80 not decided, 95 % right."""
     table = pd.read_csv(Path(__file__).parents[2] / "benchmarks/results/sealing.csv")

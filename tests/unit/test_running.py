@@ -64,6 +64,24 @@ def test_init_takes_forces_a_form_a_group_and_looks_into_the_files(folder, capsy
     assert table[-2:] == ["surface\tpath\tgroup\tlay", "a\ta.npy\tballs\tnone"]
 
 
+def test_init_takes_courses_and_the_other_maps_of_a_face(folder):
+    """Lists are numbers with their units behind one another; the map before has a row of its own."""
+    for name in ("new.npy", "worn.npy"):
+        np.save(folder / name, np.ones((4, 4)))
+    slid = ["--wear", "coefficient=1e-7 mm³/(N m)", "distance=0.1 m 1 m 10 m", "--sliding", "speed=1e-3 0.1"]
+    rubber = ["--body", "relaxation=EPDM-70", "--body", "steel", "hardness=null", "yield_stress=null"]
+    maps = ["worn.npy", "--before", "new.npy", "--counter-face", "new.npy"]
+    assert main(["init", *maps, *rubber, "--mean-pressure", "2MPa", *slid]) == 0
+    written = yaml.safe_load((folder / "config/config.yaml").read_text())
+    assert written["contact"]["bodies"][0] == {"relaxation": "EPDM-70"}
+    assert written["contact"]["bodies"][1]["hardness"] is None
+    (settings,) = resolve(written).values()
+    assert (settings["wear"]["distance"], settings["sliding"]["speed"]) == ([0.1, 1.0, 10.0], [1e-3, 0.1])
+    table = (folder / "config/surfaces.tsv").read_text().splitlines()
+    cells = ["surface\tpath\tcounter_face\tbefore", "new\tnew.npy\tnew.npy\t", "worn\tworn.npy\tnew.npy\tnew"]
+    assert table[-3:] == cells
+
+
 def test_two_groups_are_written_by_one_command(folder, capsys):
     for name in ("a1.npy", "a2.npy", "b1.npy", "b2.npy", "c.npy"):
         np.save(folder / name, np.random.default_rng(0).normal(size=(16, 16)))

@@ -10,7 +10,7 @@ import os
 import shlex
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -49,8 +49,9 @@ _EXAMPLES = {
     "crate": "roughcontact crate results --configfile config/config.yaml",
 }
 
-# options of `init` and `solve` for sections of the statistics
-_DERIVED = ("seal", "joint", "requirement", "friction")
+# options of `init` and `solve` for sections of the settings, and those of `init` alone
+_DERIVED = {name: f"statistics.{name}" for name in ("seal", "joint", "requirement", "friction")}
+_COURSES = {name: name for name in ("wear", "sliding")}
 
 # options of `init` for other settings, and for columns of the table
 _INITIAL = {
@@ -60,7 +61,8 @@ _INITIAL = {
     "form-radius": "form.radius",
     "level-form": "level.form",
 }
-_COLUMNS = ("lay", "parts")
+_COLUMNS = ("lay", "parts", "counter_face", "overview")
+_BEFORE = "map of the same place before wear, heat, polish, with which the other maps are compared"
 _GROUP = (
     "name of a finish or a workpiece, and its maps, whose numbers then stand together; again for the next, "
     "with which it is compared. Without files: of all maps"
@@ -176,7 +178,7 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         from roughcontact.interface.command_line.options import add_settings
 
         add_settings(solve)
-        _add_derived(solve)
+        _add_derived(solve, _DERIVED)
 
     init = add_verb("init", _init, "write settings and a table of surfaces, to change and to run")
     init.add_argument("files", nargs="*", metavar="FILE", help="measured height maps, or folders of them")
@@ -281,12 +283,14 @@ def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
     metavar = ("NAME", "FILE")
     parser.add_argument("--group", nargs="+", action="append", default=[], metavar=metavar, help=_GROUP)
     for column in _COLUMNS:
-        parser.add_argument(f"--{column}", metavar="TEXT", help=column_meaning(column))
-    _add_derived(parser)
+        option = f"--{column.replace('_', '-')}"
+        parser.add_argument(option, metavar="TEXT", help=column_meaning(column))
+    parser.add_argument("--before", metavar="FILE", help=_BEFORE)
+    _add_derived(parser, _DERIVED | _COURSES)
 
 
-def _add_derived(parser: argparse.ArgumentParser) -> None:
-    """Add the options for what is derived from the contact."""
+def _add_derived(parser: argparse.ArgumentParser, sections: Mapping[str, str]) -> None:
+    """Add the options for what is derived from the contact, with `sections` of the settings by option."""
     from roughcontact.interface.command_line.options import keys_in_words
 
     group = parser.add_argument_group("what is derived from the contact")
@@ -294,18 +298,23 @@ def _add_derived(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--allowed-pressure", metavar="VALUE", help=text)
     text = "always: solve the flow through the gap, for the verb table, without a seal, too"
     group.add_argument("--flow", metavar="VALUE", help=text)
-    for name in _DERIVED:
-        text = keys_in_words(f"statistics.{name}").replace("%", "%%")
+    for name, section in sections.items():
+        text = keys_in_words(section).replace("%", "%%")
         group.add_argument(f"--{name}", nargs="+", action="extend", metavar="KEY=VALUE", help=text)
 
 
 def _derived(options: argparse.Namespace) -> dict[str, Any]:
     """Return the section `statistics` of the settings from the options of `_add_derived`."""
+    stated = {name: value for name in ("allowed_pressure", "flow") if (value := getattr(options, name))}
+    return stated | _sections(options, _DERIVED)
+
+
+def _sections(options: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
+    """Return the values of sections by their keys, from the options for these that are given."""
     from roughcontact.interface.command_line.options import keyed
 
-    stated = {name: value for name in ("allowed_pressure", "flow") if (value := getattr(options, name))}
-    words_of = {name: words for name in _DERIVED if (words := getattr(options, name)) is not None}
-    return stated | {name: keyed(f"--{name}", words) for name, words in words_of.items()}
+    words_of = {name: words for name in names if (words := getattr(options, name)) is not None}
+    return {name: keyed(f"--{name}", words) for name, words in words_of.items()}
 
 
 def _add_overview(parser: argparse.ArgumentParser) -> None:
@@ -458,15 +467,18 @@ def _init(options: argparse.Namespace) -> int:
             raise SettingsError(f"--group {name}: {duplicates[0]} is in {groups[duplicates[0]]} already")
         groups |= dict.fromkeys(of_group, name)
         omissions += others_in_folder
-    files = list(dict.fromkeys([*files, *groups]))
+    before, _ = collect_files([options.before] if options.before else [])
+    files = list(dict.fromkeys([*before, *files, *groups]))
     columns = {name: value for name in _COLUMNS if (value := getattr(options, name))}
     settings = {name: value for name in _INITIAL.values() if (value := getattr(options, name)) is not None}
     settings |= settings_on_form(settings)
     settings |= {"contact.bodies": parse_bodies(options.body)} if options.body else {}
     settings |= {"contact.unload": True} if options.unload else {}
-    sections = grouped(settings) | {"statistics": _derived(options)}
+    sections = grouped(settings) | {"statistics": _derived(options)} | _sections(options, _COURSES)
     try:
-        config, table = write_project(files, sections=sections, columns=columns, groups=groups)
+        config, table = write_project(
+            files, sections=sections, columns=columns, groups=groups, before="".join(before)
+        )
     except SettingsError as error:
         raise SettingsError(message_with_options(error)) from error
     if not options.body:

@@ -83,7 +83,8 @@ def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
     full = _of_loads(numbers, f"{AREA}_lower") >= 1
     without_lay = float(np.asarray(numbers.get("Str", np.nan))) > LAY
     # with a lay, or where its direction is unknown, the lower of both limits
-    has_islands = (value > CLOSED) & (_of_loads(numbers, f"{AREA}_upper") < OPEN_BELOW[without_lay])
+    areas, upper_areas = (_of_loads(numbers, f"{AREA}{suffix}") for suffix in ("", "_upper"))
+    has_islands = (value > CLOSED) & (upper_areas < OPEN_BELOW[without_lay])
     # an overview tells of the mean gap, and not of the narrowest place of this map
     of_map = f"{GAP}_alone" if has_number(numbers, f"{GAP}_alone") else GAP
     mean, *bounds = (_of_loads(numbers, f"{of_map}{suffix}") for suffix in ENDS)
@@ -91,7 +92,9 @@ def gap_is_closed(numbers: Numbers, axis: str) -> np.ndarray:
         lowest, highest = (np.where(has_islands, value * bound / mean, np.nan) for bound in bounds)
     closed_parts, open_parts = _shares(numbers, f"{name}_parts", limit)
     yes = full | (np.fmin(upper, highest) <= limit)
-    yes |= (value <= limit) & (closed_parts >= 1 - _MAX_DIFFERENT)
+    # parts that agree decide nothing against a contact area at which gaps are open
+    expected = (limit > CLOSED) | ~(areas < OPEN_BELOW[without_lay])
+    yes |= (value <= limit) & (closed_parts >= 1 - _MAX_DIFFERENT) & expected
     no = (np.fmax(lower, lowest) > limit) | (has_islands & (limit <= CLOSED))
     no |= (value > limit) & (open_parts >= 1 - _MAX_DIFFERENT)
     lifted = is_lifted(numbers)

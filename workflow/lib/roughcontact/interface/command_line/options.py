@@ -4,6 +4,7 @@ Names, meanings, defaults and checks are those of `roughcontact.arguments.settin
 """
 
 import os
+import re
 from argparse import ArgumentParser, Namespace, _ArgumentGroup
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -130,21 +131,28 @@ def keyed(
     --------
     >>> keyed("--body", ["210GPa", "0.3", "yield_stress=400MPa"], names=("youngs_modulus", "poissons_ratio"))
     {'youngs_modulus': '210GPa', 'poissons_ratio': '0.3', 'yield_stress': '400MPa'}
-    >>> keyed("--body", ["material=steel", "hardness_uncertainty=0.1 0.2"])  # below, above
-    {'material': 'steel', 'hardness_uncertainty': ['0.1', '0.2']}
+    >>> keyed("--wear", ["distance=1 m 10 m", "coefficient=1e-7 mm³/(N m)"])  # several numbers are a list
+    {'distance': ['1 m', '10 m'], 'coefficient': '1e-7 mm³/(N m)'}
     """
     values = [argument for argument in arguments if "=" not in argument]
     names = by_name if len(values) == len(by_name) else names
-    pairs: list[tuple[str, Any]] = [*zip(names, values, strict=False)]
+    pairs = [*zip(names, values, strict=False)]
     pairs += [
-        (key, value.split() if key.endswith("_uncertainty") else value)
+        (key, value)
         for key, _, value in (argument.partition("=") for argument in arguments if "=" in argument)
     ]
-    result = dict(pairs)
+    result = {key: _listed(value) for key, value in pairs}
     if len(values) > len(names) or len(result) < len(pairs) or not all(map(all, pairs)):
         keys = f"{', '.join(names)}, then " if names else ""
         raise SettingsError(f"{option} {' '.join(arguments)}: give {keys}KEY=VALUE, each key once")
     return result
+
+
+def _listed(text: str) -> Any:
+    """Return the value of a key, as in a configuration: several numbers with their units are a list."""
+    numbers = re.sub(r"(?<=\S)\s+(?=[+-]?\.?\d)", "\n", text.strip()).split("\n")
+    is_list = len(numbers) > 1 and all(re.match(r"[+-]?\.?\d", entry) for entry in numbers)
+    return None if text == "null" else numbers if is_list and ":" not in text else text
 
 
 def chosen_settings(options: Namespace, statistics: Mapping[str, Any] | None = None) -> dict:

@@ -31,11 +31,13 @@ def write_project(
     sections: Mapping[str, Mapping[str, Any]] | None = None,
     columns: Mapping[str, str] | None = None,
     groups: Mapping[str, str] | None = None,
+    before: str = "",
 ) -> list[Path]:
     r"""Write settings and a table of the measured files into the folder `config`; return the written files.
 
-    Settings of `sections` (`contact`, `form`, `statistics`), further `columns`, the same for all files, and
-    `groups` (file -> name) may be known; other settings are examples in comments.
+    Settings of `sections` (`contact`, `form`, `statistics`), further `columns`, the same for all files,
+    `groups` (file -> name) and the file of the place `before` may be known; other settings are examples in
+    comments.
 
     Examples
     --------
@@ -58,6 +60,9 @@ def write_project(
     rows = [
         row | ({"group": groups.get(row["path"], "")} if groups else {}) | of_all for row in rows_of(files)
     ]
+    for row in rows if before else ():
+        earlier = next(other["surface"] for other in rows if other["path"] == before)
+        row["before"] = "" if row["path"] == before else earlier
     sections = sections or {}
     if any(sections.values()):
         resolve(sections)
