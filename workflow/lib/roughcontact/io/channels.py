@@ -56,6 +56,7 @@ class Channel:
     # what the file says where: `dx`, `unit`, `first_row` ... -> "line 3"; without it by the format
     sources: dict[str, str] = field(default_factory=dict)
     unused: list[tuple[int, str]] = field(default_factory=list)  # lines of its header that nothing uses
+    count_height: float = 1.0  # of one of the numbers, in `height_unit`
     first_row: str = ""  # where row 0 lies, if not as in the rest of the file; assumed
 
     @property

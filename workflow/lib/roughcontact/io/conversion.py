@@ -63,7 +63,8 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
     # before the points are interpolated: a marker among them would spread into the heights around it
     channel, marker_notes = _drop_markers(channel, request)
     channel, request, resampling = resample_evenly(channel, request)
-    steps, factor, scale_notes = decide_scale(channel, request)
+    steps, unit_factor, scale_notes = decide_scale(channel, request)
+    factor = unit_factor * channel.count_height
     numbers = channel.read()
     for marker in _USUAL_MARKERS if request.missing_value is None else ():
         if (count := np.count_nonzero(numbers == marker)) > 1:

@@ -28,7 +28,7 @@ _NO_HEIGHTS = re.compile(  # "Data type: phase", "Slope in mrad"
     rf"(?i)(?:data|signal|type|image|quantity|values)\W*(?:[:=]|are)\W*(?:{NO_TOPOGRAPHY.pattern})|"
     rf"^\W*(?:{NO_TOPOGRAPHY.pattern})\w*\s+(?:in\b|[\[(])"
 )
-_DENIED = re.compile(r"\b(?:no|none|false|off|nein|non|0)\W*$", re.IGNORECASE)
+_DENIED = re.compile(r"\b(?:(?:no|none|false|off|nein|non)\W*|0\s*)$", re.IGNORECASE)
 _NUMBER = rf"(?>{NUMBER.pattern})"
 _QUANTITY = re.compile(rf"(?:(?P<number>{_NUMBER})\s*|(?<!\w))(?P<unit>[^\W\d_]+)(?![\w^])")
 _SIDES = re.compile(rf"(?<![\w.,])({_NUMBER})\s*(?:[x×*/,;|]|by)\s*({_NUMBER})\s*([^\W\d_]+)")

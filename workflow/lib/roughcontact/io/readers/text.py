@@ -254,7 +254,9 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
     if heights_unit := unit_of_heights(text.rows.label):
         text.stated.setdefault("height_unit", [Statement(heights_unit, line=text.rows.lines[0])])
         note = ""
-    axes = find_axes(values, corner=text.empty_corner, positions=bool(unit))
+    # a unit of x and y, and no steps that it may be of, is that of positions
+    with_unit = bool(unit) or ("lateral_unit" in text.stated and not {*LENGTHS} & {*text.stated})
+    axes = find_axes(values, corner=text.empty_corner, positions=with_unit)
     if are_points(values.T):
         raise InputFileError(f"{first_line} holds positions: write the points in columns, x, (y,) z")
     if axes is None and (line := uneven(values)):
@@ -565,7 +567,7 @@ def _channel(numbers: np.ndarray, text: _Text, unit: str | None = None, **attrib
     for marker in text.stated.get("missing", []):
         numbers[numbers == marker.value] = np.nan
     for factor in text.stated.get("z_factor", [])[:1]:  # of counts or phases: it makes them lengths
-        numbers, unit = numbers * factor.value, factor.unit or unit
+        attributes["count_height"], unit = factor.value, factor.unit or unit
     lines = {
         column: f"line {text.stated[entry][0].line}"
         for column, entries in words("source").items()

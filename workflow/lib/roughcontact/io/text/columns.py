@@ -241,8 +241,9 @@ def _name_and_unit(cell: str) -> tuple[str, str | None]:
         return "", cell
     name, opening, remainder = cell.replace("[", "(").partition("(")
     inside, closing, tail = remainder.replace("]", ")").partition(")")
-    if opening and closing and inside.strip() and (name or tail or is_length(inside.strip())):
-        return f"{name} {tail}".strip(" _"), inside.strip()
+    unit = inside.strip()
+    if opening and closing and unit and not unit.isdigit() and (name or tail or is_length(unit)):
+        return f"{name} {tail}".strip(" _"), unit
     if "/" in cell:
         name, _, unit = cell.rpartition("/")
         if is_length(unit.strip()) or (" " not in unit.strip() and _role(name) in ("x", "y", "z")):
