@@ -5,8 +5,9 @@ Each is a part of the page: charts and sentences of a file beside the statistics
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -34,14 +35,7 @@ WARM = 10.0  # K, by which the loss of a rubber shifts by half a decade of frequ
 _BEFORE = {"wear": "Before sliding", "sliding": "At rest"}  # part -> the contact of which all else is
 
 Charts = dict[str, Chart]  # by their labels
-
-
-class _Course(NamedTuple):
-    """A part of the page, and what makes its text and charts of the statistics and of its file."""
-
-    part: str
-    text: Callable[[xr.Dataset, xr.Dataset], list[str]]
-    charts: Callable[[xr.Dataset, xr.Dataset], Charts]
+Part = tuple[list[str], Callable[[], Charts]]  # sentences, and what draws the charts
 
 
 def course_sections(name: str, loading: xr.Dataset, results: Path, folder: Path) -> dict[str, dict[str, Any]]:
@@ -52,21 +46,25 @@ def course_sections(name: str, loading: xr.Dataset, results: Path, folder: Path)
     sections = {}
     for path in (results / file for file in _COURSES if (results / file).is_file()):
         with opened_dataset(path) as over:
-            charts = {} if FAILURE in over.attrs else _COURSES[path.name].charts(loading, over)
-            images = {label: chart.source() for label, chart in charts.items()}
+            part, sentences, draw = _content(loading, path, over)
+            images = {label: chart.source() for label, chart in draw().items()}
         link = Path(os.path.relpath(path, folder)).as_posix()
-        part, text = course_text(loading, path)
-        sections[part] = {"name": name, "images": images, "sentences": text, "link": link}
+        sections[part] = {"name": name, "images": images, "sentences": sentences, "link": link}
     return sections
 
 
 def course_text(loading: xr.Dataset, path: Path) -> tuple[str, list[str]]:
-    """Return the part of the page that a file is, and its sentences, or why there are none."""
-    part, text, _ = _COURSES[path.name]
+    """Return the part of the page that a file is, and its sentences."""
     with opened_dataset(path) as over:
-        if reason := over.attrs.get(FAILURE):
-            return part, [f"{part.capitalize()} is not known: {reason}."]
-        return part, text(loading, over)
+        return _content(loading, path, over)[:2]
+
+
+def _content(loading: xr.Dataset, path: Path, over: xr.Dataset) -> tuple[str, *Part]:
+    """Return a part of the page, its sentences, or why it came to nothing, and what draws its charts."""
+    part, content = _COURSES[path.name]
+    if reason := over.attrs.get(FAILURE):
+        return part, [f"{part.capitalize()} is not known: {reason}."], dict
+    return part, *content(loading, over)
 
 
 def answer_with_courses(line: str, texts: Mapping[str, Sequence[str]]) -> str:
@@ -84,20 +82,21 @@ def answer_with_courses(line: str, texts: Mapping[str, Sequence[str]]) -> str:
     return line
 
 
-def _unloading_charts(loading: xr.Dataset, residual: xr.Dataset) -> Charts:
-    """Draw both ways of the load."""
-    ways = _ways(loading, residual)
-    charts = {TITLES[result]: _loading_and_unloading(ways, result) for result in _UNLOADED}
-    return {label: chart for label, chart in charts.items() if chart}
-
-
-def _ways(loading: xr.Dataset, residual: xr.Dataset) -> list[xr.Dataset]:
-    """Return loading, and unloading from each peak."""
+def _unloading(loading: xr.Dataset, residual: xr.Dataset) -> Part:
+    """Return a sentence for each peak, and what draws both ways of the load."""
     suffix = "_as_solved"  # the way back has no correction for the grid either
     as_solved = {key.removesuffix(suffix): loading[key] for key in map(str, loading) if key.endswith(suffix)}
+    loading = loading.assign(as_solved).sortby("mean_pressure")
     peaks = _along(residual, "peak")
     unloadings = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
-    return [loading.assign(as_solved).sortby("mean_pressure"), *unloadings]
+
+    def draw() -> Charts:
+        charts = {
+            TITLES[result]: _loading_and_unloading([loading, *unloadings], result) for result in _UNLOADED
+        }
+        return {label: chart for label, chart in charts.items() if chart}
+
+    return [_lowered(loading, unloading) for unloading in unloadings], draw
 
 
 def _loading_and_unloading(ways: Sequence[xr.Dataset], result: str) -> Chart | None:
@@ -117,12 +116,6 @@ def _loading_and_unloading(ways: Sequence[xr.Dataset], result: str) -> Chart | N
     return chart
 
 
-def _unloading_text(loading: xr.Dataset, residual: xr.Dataset) -> list[str]:
-    """Return a sentence for each peak."""
-    loading, *unloadings = _ways(loading, residual)
-    return [_lowered(loading, unloading) for unloading in unloadings]
-
-
 def _lowered(loading: xr.Dataset, unloading: xr.Dataset) -> str:
     """Return what flow has lowered by how much, and the area of both ways at the lowest load, in words."""
     lightest = unloading.isel(load=int(np.argmin(unloading["mean_pressure"].values)))
@@ -132,26 +125,23 @@ def _lowered(loading: xr.Dataset, unloading: xr.Dataset) -> str:
     return sentence("flow_has_lowered", _scalars(unloading), load, areas)
 
 
-def _sliding_text(_: xr.Dataset, over: xr.Dataset) -> list[str]:
-    """Return the sentence of the friction."""
-    ways, highest, first = _highest(over)
-    others = [_scalars(way) for way in highest if way is not highest[first]]
-    misfit = float(over.attrs["relaxation_misfit"])  # of the table from every linear material
-    return [sentence("slides", _scalars(highest[first]), others, misfit, MAX_MISFIT, _warm_from(ways[first]))]
-
-
-def _highest(over: xr.Dataset) -> tuple[list[xr.Dataset], list[xr.Dataset], int]:
-    """Return each direction, its speed with the largest friction, and the direction with the largest."""
+def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
+    """Return the sentence of the friction, and what draws the charts."""
     ways = _along(over, "direction")
     highest = [way.isel(speed=int(way[FRICTION].values.argmax())) for way in ways]
-    return ways, highest, int(np.argmax([way[FRICTION].item() for way in highest]))
+    first = int(np.argmax([way[FRICTION].item() for way in highest]))
+    others = [_scalars(way) for way in highest if way is not highest[first]]
+    misfit = float(over.attrs["relaxation_misfit"])  # of the table from every linear material
+    text = sentence("slides", _scalars(highest[first]), others, misfit, MAX_MISFIT, _warm_from(ways[first]))
+    return [text], partial(_sliding_charts, over, ways, highest, first)
 
 
-def _sliding_charts(_: xr.Dataset, over: xr.Dataset) -> Charts:
-    """Draw friction and contact over the speed; all but the friction of the direction with the largest."""
+def _sliding_charts(
+    over: xr.Dataset, ways: Sequence[xr.Dataset], highest: Sequence[xr.Dataset], first: int
+) -> Charts:
+    """Draw friction and contact over the speed; all but the friction of the `first` of the directions."""
     from roughcontact.report.map_plots import pressure_map  # with all that levels maps, for few pages
 
-    ways, highest, first = _highest(over)
     course, fastest, speed = ways[first], highest[first], over["speed"].values
     way_labels = [f", {way['direction'].item():g}°" if len(ways) > 1 else "" for way in ways]
     curves = {
@@ -190,13 +180,13 @@ def _octaves(highest: xr.Dataset) -> Chart:
     return chart
 
 
-def _wear_text(_: xr.Dataset, over: xr.Dataset) -> list[str]:
-    """Return the sentence of a worn face."""
+def _wear(_: xr.Dataset, over: xr.Dataset) -> Part:
+    """Return the sentence of a worn face, and what draws the charts."""
     before, last = (_scalars(over.isel(sliding_distance=index)) for index in (0, -1))
-    return [sentence("runs_in", last, before, CLOSED)]
+    return [sentence("runs_in", last, before, CLOSED)], partial(_wear_charts, over)
 
 
-def _wear_charts(_: xr.Dataset, over: xr.Dataset) -> Charts:
+def _wear_charts(over: xr.Dataset) -> Charts:
     """Draw maps before and after wear, and answers over the distance."""
     from roughcontact.report.map_plots import height_map  # with all that levels maps, for few pages
 
@@ -245,8 +235,9 @@ def _scalars(numbers: xr.Dataset) -> dict[str, Any]:
     return {str(name): value.values.item() for name, value in numbers.variables.items() if not value.dims}
 
 
-_COURSES = {
-    "residual.nc": _Course("unloading", _unloading_text, _unloading_charts),
-    "sliding.nc": _Course("sliding", _sliding_text, _sliding_charts),
-    "worn.nc": _Course("wear", _wear_text, _wear_charts),
+# file of a result -> the part of the page that it is, and what makes it of the statistics and of that
+_COURSES: dict[str, tuple[str, Callable[[xr.Dataset, xr.Dataset], Part]]] = {
+    "residual.nc": ("unloading", _unloading),
+    "sliding.nc": ("sliding", _sliding),
+    "worn.nc": ("wear", _wear),
 }
