@@ -24,4 +24,4 @@ with opened_dataset(paths.levelled) as levelled:  # read for an overview alone
         overviews=separate_overviews(read_dataset(paths.overview)) if paths.overview else (),
         threads=snakemake.threads,
     )
-save_course(slid, snakemake.output.sliding, settings, source=window.attrs)
+    save_course(slid, snakemake.output.sliding, settings, source=window.attrs)
