@@ -5,7 +5,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import astuple, replace
 
 from roughcontact.errors import SettingsError
-from roughcontact.study.table.columns import BEFORE, REPEAT, TILES
+from roughcontact.study.table.columns import BEFORE, GROUP, REPEAT, TILES
+from roughcontact.study.table.groups import first_rows
 from roughcontact.study.table.row import Surface, in_cell
 from roughcontact.study.table.same_area import same_area_pairs
 from roughcontact.study.tiles import Tile, parse_tiles
@@ -14,7 +15,7 @@ from roughcontact.study.tiles import Tile, parse_tiles
 def mistakes_in_parts(surfaces: Mapping[str, Surface]) -> Iterator[SettingsError]:
     """Yield what is wrong with the maps that are cut."""
     of_same_area = {name for pair in same_area_pairs(surfaces) for name in pair}
-    names = {name.lower(): name for name in surfaces}
+    names, groups = {name.lower(): name for name in surfaces}, first_rows(surfaces)
     for row in surfaces.values():
         if not row.parts:
             continue
@@ -25,6 +26,9 @@ def mistakes_in_parts(surfaces: Mapping[str, Surface]) -> Iterator[SettingsError
                 "parts are not; compare the whole maps, or leave that cell empty"
             )
             yield in_cell(row, TILES, text)
+        if not row.group and (member := groups.get(row.name)):
+            text = f"the parts of {row.name} ({cell}) are a group of this name; rename one"
+            yield in_cell(member, GROUP, f"{GROUP} = {row.name}: {text}, or name its {GROUP} too")
         try:
             tiles = parse_tiles(row.parts)
         except SettingsError as error:
