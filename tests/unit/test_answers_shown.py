@@ -297,6 +297,15 @@ def test_the_line_of_a_joint_with_an_area_has_its_resistance():
         line.replace("\N{NO-BREAK SPACE}", " ")
         == "At 1.00 MPa: conductance 5.00 GS/m² (current, 100 µΩ of the joint)."
     )
+    # of metals heat is known as well: 1e5 W/(m² K) on 2 mm² are 5 K/W
+    heat = {"thermal_conductance": 1e5, "thermal_resistance": 1e-5, "total_thermal_resistance": 5.0}
+    both = numbers.assign({name: ("load", [value]) for name, value in heat.items()})
+    cells = glance.glance_rows(both, indices=[0])[0]
+    expected = "At 1.00 MPa: conductance 100 kW/(m² K) (heat, 5.00 K/W of the joint, 100 µΩ of the joint)."
+    assert glance.answer_line(both, 0, cells).replace("\N{NO-BREAK SPACE}", " ") == expected
+    # unless a flow of heat is stated
+    asked = both.assign(temperature_drop=("load", [0.5]))
+    assert "Ω" not in glance.glance_rows(asked, indices=[0])[0]["conductance"].details
 
 
 def test_the_conductance_of_a_joint_is_that_with_its_gas():

@@ -211,6 +211,16 @@ def test_several_surfaces_are_answered_in_one_line():
 
     areas = {name: xr.Dataset(loads | {AREA: ("load", [0.01, a])}) for name, a in (("a", 0.3), ("b", 0.1))}
     assert surfaces_in_words(at(1, areas)) == "At 2.00 MPa: contact area from 10.0 % (b) to 30.0 % (a)."
+    joints = {
+        name: data.assign(joint_area=1e-4, thermal_conductance=("load", [1e4, value]))
+        for (name, data), value in zip(areas.items(), (2e4, 4e4), strict=True)
+    }
+    heat = "At 2.00 MPa: thermal conductance from 20.0 kW/(m² K) (a) to 40.0 kW/(m² K) (b)"
+    assert surfaces_in_words(at(1, joints)) == f"{heat}."
+    currents = {
+        name: data.assign(total_electrical_resistance=("load", [1.0, 1e-3])) for name, data in joints.items()
+    }
+    assert surfaces_in_words(at(1, currents)) == f"{heat}; resistance of the joint 1.00 mΩ of all 2."
     closed = {f"gap_percolates_{axis}": ("load", [1.0, 0.0]) for axis in "xy"}
     leaks = {f"leak_rate_{axis}": ("load", [1e-9, 0.0]) for axis in "xy"}
     leaks |= {f"critical_constriction_{axis}": ("load", [1e-7, 0.0]) for axis in "xy"}

@@ -453,20 +453,33 @@ def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     return Cell(NOT_JUDGED, "no hardness stated" + would.get(" ".join(flags), ""))
 
 
+def conductances(numbers: Numbers) -> list[str]:
+    """Return the conductances that are known, the one that answers first."""
+    return [name for name in _CONDUCTANCES if has_number(numbers, name)]
+
+
 def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
-    """Return the conductance of the joint, of heat or of current, or that by conductivity."""
-    if not (name := next((name for name in _CONDUCTANCES if has_number(numbers, name)), "")):
+    """Return the conductance of the joint, of heat or of current, or that by conductivity, and resistances.
+
+    That of current is there unless a film, a gas or a flow of heat says that heat alone is asked for.
+    """
+    if not (name := next(iter(conductances(numbers)), "")):
         return Cell(NOT_JUDGED)
     main = interval_cell(numbers, name, units, index)
     details = [", ".join(filter(None, (main.details, _CONDUCTANCES[name])))]
-    if (resistance := name.replace("conductance", "resistance")) in numbers:
-        cell = interval_cell(numbers, resistance, units, index)
-        has_interval = main.details != _NO_INTERVAL
-        details.append(_unbroken(numbers, resistance, units, index) if has_interval else cell.text)
-    total = f"total_{'electrical' if name.startswith('electrical') else 'thermal'}_resistance"
+    of_heat = name == "joint_conductance" or "temperature_drop" in numbers
+    names = [name] if of_heat else [name, "electrical_conductance"]
+    resistances = list(dict.fromkeys(of_kind.replace("conductance", "resistance") for of_kind in names))
+    for resistance in resistances:
+        if resistance in numbers:
+            cell = interval_cell(numbers, resistance, units, index)
+            has_interval = main.details != _NO_INTERVAL
+            details.append(_unbroken(numbers, resistance, units, index) if has_interval else cell.text)
     allowed = [ALLOWED_VALUES[key].numbers for key in stated_allowed(numbers, "conductance")]
-    if "joint_area" in numbers and total in numbers and (total,) not in allowed:
-        details.append(f"{_unbroken(numbers, total, units, index)} {_OF_JOINT}")
+    for resistance in resistances:
+        total = f"total_{'electrical' if resistance.startswith('electrical') else 'thermal'}_resistance"
+        if "joint_area" in numbers and total in numbers and (total,) not in allowed:
+            details.append(f"{_unbroken(numbers, total, units, index)} {_OF_JOINT}")
     return main._replace(details="; ".join(details))
 
 

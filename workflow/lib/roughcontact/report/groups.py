@@ -325,19 +325,38 @@ def surfaces_in_words(results: Mapping[str, Load]) -> str:
             is_open = cell.precision == allowed.NOT_DECIDED
             words[name] = f"{cell.text} ({cell.precision})" if is_open else cell.text
         return f"{head}: {_by_word(words)}."
-    answer = next((name for name in columns if all(has_number(data, name) for data in all_data)), "")
-    values = {name: float(data[answer][index]) for name, (data, index) in results.items() if answer}
+    if "conductance" in columns:  # which is one of several numbers
+        columns = [*columns, *glance.conductances(all_data[0])]
+    asked = _known_of_all(columns, all_data)[:1]
+    if asked == ["thermal_conductance"]:  # who asks for a joint of metals may mean current
+        asked += _known_of_all(["total_electrical_resistance", "electrical_resistance"], all_data)[:1]
+    ranges = [text for name in asked if (text := _range_in_words(name, results))]
+    return f"{head}: {'; '.join(ranges)}." if ranges else ""
+
+
+def _known_of_all(names: Sequence[str], results: Sequence[xr.Dataset]) -> list[str]:
+    """Return the names of numbers that all results have."""
+    return [name for name in names if all(has_number(data, name) for data in results)]
+
+
+def _range_in_words(name: str, results: Mapping[str, Load]) -> str:
+    """Return the least and the largest of a number at a load of each surface; empty where none is known."""
+    values = {surface: float(data[name][index]) for surface, (data, index) in results.items()}
     # the conductance of full contact is infinite
-    names = sorted((name for name in values if not np.isnan(values[name])), key=values.__getitem__)
-    if not names:
+    surfaces = sorted(
+        (surface for surface in values if not np.isnan(values[surface])), key=values.__getitem__
+    )
+    if not surfaces:
         return ""
-    texts_by_name = {}
-    for (name, (data, index)), units in zip(results.items(), glance.glance_units(all_data), strict=True):
-        texts_by_name[name] = glance.interval_cell(data, answer, units, index).text
-    lowest, highest = texts_by_name[names[0]], texts_by_name[names[-1]]
+    all_units = glance.glance_units([data for data, _ in results.values()])
+    texts = {
+        surface: glance.interval_cell(data, name, units, index).text
+        for (surface, (data, index)), units in zip(results.items(), all_units, strict=True)
+    }
+    lowest, highest = texts[surfaces[0]], texts[surfaces[-1]]
     if lowest == highest:  # at the digits that their intervals carry
-        return f"{head}: {TITLES[answer]} {lowest} of all {len(names)}."
-    return f"{head}: {TITLES[answer]} from {lowest} ({names[0]}) to {highest} ({names[-1]})."
+        return f"{TITLES[name]} {lowest} of all {len(surfaces)}"
+    return f"{TITLES[name]} from {lowest} ({surfaces[0]}) to {highest} ({surfaces[-1]})"
 
 
 def _comparison(part: xr.Dataset, name: str, without_ratio: Sequence[str]) -> Row:
