@@ -146,7 +146,7 @@ rule panel:
         overview=file_of("overview"),
         contact=file_of("contact"),
         statistics="results/{result}/statistics.nc",
-        courses=files_after,
+        courses=courses_of,
     output:
         panel=shown(
             "results/{result}/panel.html", "surface_panel", "figures and checks"

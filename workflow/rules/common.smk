@@ -70,7 +70,6 @@ except SettingsError as error:
 ARGUMENTS = RuleArguments(PLAN, ROOT / "workflow/scripts")
 pattern_of, file_of, params_of = PLAN.pattern, ARGUMENTS.file_of, ARGUMENTS.params_of
 resources_of, threads_of = ARGUMENTS.resources_of, ARGUMENTS.threads_of
-files_after = ARGUMENTS.files_after()
 # jobs run without the note
 REPLACED = replaced_files() if workflow.is_main_process else []
 
@@ -112,6 +111,11 @@ if stale := stale_results(PLAN.results):
         f"Not in the table: {', '.join(stale[:5])}{' ...' if len(stale) > 5 else ''}. They stay as an earlier run left "
         "them; report.html, summary.csv and statistics.nc are of the table alone."
     )
+
+
+def courses_of(wildcards):
+    """Return the files of unloading, wear and sliding of a result."""
+    return PLAN.further_files(wildcards.result)
 
 
 def shown(path, caption, holds):

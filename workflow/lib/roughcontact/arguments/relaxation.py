@@ -197,8 +197,7 @@ def _columns(table: pd.DataFrame, name: str) -> dict[str, pd.Series]:
     columns: dict[str, pd.Series] = {}
     headings: dict[str, Any] = {}
     for heading in table.columns:
-        plain, unit = _plain_and_unit(heading)
-        column, base, usual = _role(plain)
+        plain, unit, (column, base, usual) = _role(heading)
         if not column:
             continue
         factor = unit_factor(usual.get(unit, unit), base) if base else 1.0
@@ -223,16 +222,15 @@ def _columns(table: pd.DataFrame, name: str) -> dict[str, pd.Series]:
     return columns
 
 
-def _plain_and_unit(heading: Any) -> tuple[str, str]:
-    """Return what a column holds, and its unit, which stands after a bracket, a comma, a stroke or "in"."""
+def _role(heading: Any) -> tuple[str, str, tuple[str, str, dict[str, str]]]:
+    """Return a heading without its unit, this, and what `_HEADINGS` has of it, if anything.
+
+    The unit stands after a bracket, a comma, a stroke or "in".
+    """
     text = str(heading).replace("_", " ").replace("’", "'").strip().lstrip('"')
     plain, *after = re.split(r"\s*[\[(,/]\s*|\s+in\s+", text, maxsplit=1)
-    return plain, "".join(after).strip(" )]")
-
-
-def _role(plain: str) -> tuple[str, str, dict[str, str]]:
-    """Return what `_HEADINGS` has of a heading without its unit, nothing of those that it does not have."""
-    return next((role for form, role in _HEADINGS.items() if re.fullmatch(form, plain)), ("", "", {}))
+    roles = (role for form, role in _HEADINGS.items() if re.fullmatch(form, plain))
+    return plain, "".join(after).strip(" )]"), next(roles, ("", "", {}))
 
 
 def _table_of_text(text: str) -> pd.DataFrame:
@@ -243,9 +241,8 @@ def _table_of_text(text: str) -> pd.DataFrame:
     lines = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith("#")]
 
     def has_frequency(line: str) -> bool:
-        return any(
-            _role(_plain_and_unit(cell)[0])[0] == "frequency" for cell in re.split(r"[\t;,]|\s{2,}", line)
-        )
+        roles = (_role(cell)[2] for cell in re.split(r"[\t;,]|\s{2,}", line))
+        return any(column == "frequency" for column, *_ in roles)
 
     lines = lines[next((index for index, line in enumerate(lines) if has_frequency(line)), 0) :]
     if not set("\t;,") & {*lines[0]}:

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.arguments.bodies import relaxation_table
-from roughcontact.arguments.settings.stages import stages_after
 from roughcontact.study.checksums import checksum
 from roughcontact.study.dependencies import source_digest
 from roughcontact.study.places import PARTIAL
@@ -53,12 +52,6 @@ class RuleArguments:
             return [] if is_own else self.plan.file(name, result) or []
 
         return _for_result(file)
-
-    def files_after(self) -> InputFunction | list[str]:
-        """Return the input function of the files of wear, sliding and unloading of a result."""
-        return (
-            _for_result(self.plan.further_files) if any(map(stages_after, self.plan.cases.values())) else []
-        )
 
     def sources_of(
         self, rule: Rule, *, local: Callable[[str], str], before: Callable[[], None]
