@@ -304,7 +304,8 @@ def test_a_profile_is_solved(capsys):
         ("{E} --level-form plan", "did you mean plane?"),
         ("{E} --window-method hann", "--window-method = 'hann'"),
         ("solve {P} --body 1e9 0.3", "--body is given once; give it twice"),
-        ("{E} --colour red", "unrecognized arguments: --colour"),
+        ("{E} --colour red", "unrecognized arguments: --colour red; see roughcontact solve --help"),
+        ("{E} --pressure=5MPa", "--pressure=5MPa; the nearest option is --mean-pressure; see roughcontact"),
         (
             "solve {P} --contact-modulus 4.67 Gpascal",
             "unrecognized arguments: Gpascal; write a number and its unit as one word: 5GPa; see",

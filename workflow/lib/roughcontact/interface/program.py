@@ -7,11 +7,13 @@ error), 130 interrupted, 143 terminated, 141 the reader of the output has closed
 import argparse
 import errno
 import os
+import re
 import shlex
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -92,11 +94,21 @@ class _Escaping:
 class _Parser(argparse.ArgumentParser):
     """A parser that reports errors in single sentences."""
 
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse, and refuse what is no option, with the nearest one."""
+        namespace, strays = super().parse_known_args(args, namespace)
+        if strays:
+            stray, options = strays[0].partition("=")[0], re.findall(r"--[\w-]+", self.format_usage())
+            close = get_close_matches(stray, options, n=1, cutoff=0.7)
+            hint = f"; the nearest option is {close[0]}" if close else ""
+            if stray[:1].isalpha():
+                hint = "; write a number and its unit as one word: 5GPa"
+            self.error(f"unrecognized arguments: {' '.join(strays)}{hint}")
+        return namespace, strays
+
     def error(self, message: str) -> NoReturn:
         """Exit with one sentence instead of the whole usage."""
-        stray = message.partition("unrecognized arguments: ")[2]
-        hint = "; write a number and its unit as one word: 5GPa" if stray[:1].isalpha() else ""
-        self.exit(2, f"{self.prog}: {message}{hint}; see {self.prog} --help\n")
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
 def main(arguments: list[str] | None = None) -> int:
