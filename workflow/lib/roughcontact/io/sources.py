@@ -40,7 +40,6 @@ _COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*(?!point|p
 _COUNT = re.compile(r"[:=\s]\s*(\d{1,9})\W*$")
 _SAMPLE = 2**18  # heights among which the most frequent ones are looked for
 _FREQUENT = 0.005  # share of the points at one height, as of a marker
-_MIN_LEVELS = 4  # heights of which one may stand apart
 _CLOSE, _WIDEST = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with their rounding
 _MAX_QUOTED = 3  # lines in a question
 # what a line may concern -> the keys that it asks for, and the sentence; of several the first counts
@@ -134,31 +133,24 @@ def _count_beyond(heights: np.ndarray, limits: Sequence[float]) -> int:
     return int(min(outside) if len(limits) == 1 else sum(outside))
 
 
-def _frequent(heights: np.ndarray) -> set[float]:
-    """Return the heights at which lie many more points than chance brings there.
+def _conspicuous(heights: np.ndarray) -> set[float]:
+    """Return heights as of a marker: of many more points than chance brings there, or far from all others.
 
     Examples
     --------
-    >>> _frequent(np.append(np.arange(0.5, 100.0), [7.0, 7.0, 7.0]))
-    {7.0}
+    >>> sorted(_conspicuous(np.append(np.arange(0.5, 100.0), [7.0, 7.0, 7.0, -999.0])))
+    [-999.0, 7.0]
     """
-    levels, counts = np.unique(heights[:: max(1, heights.size // _SAMPLE)], return_counts=True)
-    return {*levels[counts > max(2.0, _FREQUENT * counts.sum())].tolist()}
-
-
-def _apart(heights: np.ndarray) -> set[float]:
-    """Return the lowest and highest height where they are further from all others than these span.
-
-    Examples
-    --------
-    >>> _apart(np.array([1.0, 2.0, 2.5, -99.0, -99.0]))
-    {-99.0}
-    """
-    levels = np.unique(heights)
-    if levels.size < _MIN_LEVELS:
+    if not heights.size:
         return set()
-    gaps = {levels[0]: levels[1] - levels[0], levels[-1]: levels[-1] - levels[-2]}
-    return {float(level) for level, gap in gaps.items() if 2 * gap > np.ptp(levels)}
+    sample = heights[:: max(1, heights.size // _SAMPLE)]
+    levels, counts = np.unique(sample, return_counts=True)
+    is_whole = not np.any(heights % 1)  # such numbers agree with any other by chance
+    frequent = set() if is_whole else {*levels[counts > max(2.0, _FREQUENT * sample.size)].tolist()}
+    ends = (heights.min(), heights.max())
+    inner = levels[(levels > ends[0]) & (levels < ends[1])]
+    gaps = ((float(end), np.min(np.abs(inner - end))) for end in ends if inner.size > 1)
+    return frequent | {end for end, gap in gaps if 2 * gap > np.ptp(ends)}
 
 
 def sources(file: MeasuredFile, channel: Channel, request: Request) -> dict[str, str]:
@@ -213,7 +205,7 @@ def lines_not_used(
     lateral_factor = metres(unit) if is_length(unit := channel.lateral_unit or request.unit) else None
     texts = {"dx": quantity(dx, "m"), "dy": quantity(dy, "m")}
     exempt, listing, notes = ignored_lines(request), [], []
-    conspicuous = _apart(finite) | (set() if is_integer else _frequent(finite))
+    conspicuous = _conspicuous(finite)
     for number, text in channel.unused:
         lengths = parse_lengths(text)
         values = [float(match) for match in _PLAIN.findall(text.replace(",", "."))]

@@ -214,8 +214,7 @@ def _file(text: _Text) -> MeasuredFile:
     values, columns = text.values, text.columns
     rows, count = values.shape
     groups = layout(columns) if columns else None
-    unnamed = not any(column.name for column in columns or ())
-    if columns and not groups and count > 1 and not unnamed and not are_map_columns(columns):
+    if columns and not groups and any(column.name for column in columns) and not are_map_columns(columns):
         listing = listed([f"{name} ({unit})" if unit else name for name, unit, _ in columns if name])
         wrong = f"nothing says which of the {count} columns {listing} are positions and heights"
         way_out = "name them x, y and z, in the line above the table, or delete that line above"
