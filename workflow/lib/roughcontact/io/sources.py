@@ -35,6 +35,8 @@ _SIDES = re.compile(rf"(?<![\w.,])({_NUMBER})\s*(?:[x×*/,;|]|by)\s*({_NUMBER})\
 _PER = re.compile(r"\d\s*[^\W\d_]+\s*/\s*\Z")  # before a unit, as in 40 N/m
 _SPEED = re.compile(r"\s*/\s*(?:s|sec|min|h)\b")
 _PLAIN = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
+# that stands for itself, neither in a name nor before a unit at the end of the line
+_ALONE = re.compile(rf"(?<![^\s:=;,(])(?>{_PLAIN.pattern})(?=[\s;,).]|$)(?!\s*([^\W\d]{{1,3}})\W*$)")
 _TOLERANCE = re.compile(r"(?:\+/-|±)\s*[\d.,]+\s*\w*")
 _COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*(?!point|pixel)[^\W\d_])")
 _COUNT = re.compile(r"[:=\s]\s*(\d{1,9})\W*$")
@@ -133,6 +135,18 @@ def _count_beyond(heights: np.ndarray, limits: Sequence[float]) -> int:
     return int(min(outside) if len(limits) == 1 else sum(outside))
 
 
+def _number_alone(text: str) -> float:
+    """Return the last number of a line that stands for itself; NaN where there is none.
+
+    Examples
+    --------
+    >>> [_number_alone(text) for text in ("bad points are -9999", "Force: 5 nN", "Operator: user1")]
+    [-9999.0, nan, nan]
+    """
+    *_, last = (math.nan, *(number[0] for number in _ALONE.finditer(text.replace(",", "."))))
+    return float(last)
+
+
 def _conspicuous(heights: np.ndarray) -> set[float]:
     """Return heights as of a marker: of many more points than chance brings there, or far from all others.
 
@@ -203,7 +217,6 @@ def lines_not_used(
     stated_above = "line" in step_sources and not request.has_steps(channel.shape)
     has_positions = "positions" in channel.sources.values()
     lateral_factor = metres(unit) if is_length(unit := channel.lateral_unit or request.unit) else None
-    texts = {"dx": quantity(dx, "m"), "dy": quantity(dy, "m")}
     exempt, listing, notes = ignored_lines(request), [], []
     conspicuous = _conspicuous(finite)
     for number, text in channel.unused:
@@ -227,8 +240,9 @@ def lines_not_used(
         is_limit = matters >= {"limit", "validity"} and "lateral" not in matters and "%" not in text
         limits = [length.value / height_factor for length in with_number] or values
         beyond_count = _count_beyond(finite, limits) if is_limit else 0
-        may_be_marker = "marker" in matters or ("elsewhere" not in matters and conspicuous & {*values[-1:]})
-        marker_count = int(np.count_nonzero(finite == values[-1])) if values and may_be_marker else 0
+        marker = _number_alone(text)
+        may_be_marker = "marker" in matters or ("elsewhere" not in matters and marker in conspicuous)
+        marker_count = int(np.count_nonzero(finite == marker)) if may_be_marker else 0
         if is_limit and not beyond_count and not marker_count:
             continue
         bare = {
@@ -245,7 +259,7 @@ def lines_not_used(
         # what the line may concern, as in the table of doubts
         applies = {
             "limit": beyond_count,
-            "marker": marker_count > 1 or (marker_count and values[-1]),
+            "marker": marker_count > 1 or (marker_count and marker),
             "zero": marker_count,
             "counts": is_integer
             and (is_factor or "fraction" in matters or (strange and "step" not in matters)),
@@ -264,7 +278,13 @@ def lines_not_used(
         if doubt := next((_DOUBTS[matter] for matter in _DOUBTS if applies[matter]), None):
             count = beyond_count or marker_count
             points = f"there {'is' if count == 1 else 'are'} {counted_noun(count, 'point')}"
-            sentence = doubt[1].format(number=number, text=text[:LONGEST_QUOTE], points=points, **texts)
+            sentence = doubt[1].format(
+                number=number,
+                text=text[:LONGEST_QUOTE],
+                points=points,
+                dx=quantity(dx, "m"),
+                dy=quantity(dy, "m"),
+            )
             if keys := doubt[0]:
                 raise InputFileError(sentence, keys=keys)
             notes.append(sentence)
