@@ -217,6 +217,7 @@ def lines_not_used(
     stated_above = "line" in step_sources and not request.has_steps(channel.shape)
     has_positions = "positions" in channel.sources.values()
     lateral_factor = metres(unit) if is_length(unit := channel.lateral_unit or request.unit) else None
+    texts = {"dx": quantity(dx, "m"), "dy": quantity(dy, "m")}
     exempt, listing, notes = ignored_lines(request), [], []
     conspicuous = _conspicuous(finite)
     for number, text in channel.unused:
@@ -230,8 +231,7 @@ def lines_not_used(
         used = sides if "step" in matters else lengths_used
         with_number = [length for length in lengths if length.value == length.value]
         strange = "elsewhere" not in matters and not all(length.agrees(used) for length in with_number)
-        counts = _COUNTS.search(text)
-        strange_points = counts is not None and {*map(int, counts.groups())} != {nx, ny}
+        strange_points = any({*map(int, pair)} != {nx, ny} for pair in _COUNTS.findall(text))
         contradicts = stated_above and (strange or (strange_points and "elsewhere" not in matters))
         is_count = "points" in matters and not matters & {"marker", "elsewhere"}
         number_of = _COUNT.search(text) if is_count else None  # in words that are not known
@@ -278,13 +278,7 @@ def lines_not_used(
         if doubt := next((_DOUBTS[matter] for matter in _DOUBTS if applies[matter]), None):
             count = beyond_count or marker_count
             points = f"there {'is' if count == 1 else 'are'} {counted_noun(count, 'point')}"
-            sentence = doubt[1].format(
-                number=number,
-                text=text[:LONGEST_QUOTE],
-                points=points,
-                dx=quantity(dx, "m"),
-                dy=quantity(dy, "m"),
-            )
+            sentence = doubt[1].format(number=number, text=text[:LONGEST_QUOTE], points=points, **texts)
             if keys := doubt[0]:
                 raise InputFileError(sentence, keys=keys)
             notes.append(sentence)
