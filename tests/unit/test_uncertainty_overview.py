@@ -139,6 +139,12 @@ def of_some(field):
     }
 
 
+def test_a_load_has_the_interval_by_an_overview_that_it_has_alone(answers, of_some):
+    beside_another = answers[1].isel(load=1)
+    width = float(np.log(beside_another["mean_gap_upper"] / beside_another["mean_gap_lower"]))
+    assert of_some["around"][:2] == pytest.approx((float(beside_another["mean_gap"]), width), rel=1e-5)
+
+
 def test_two_overviews_are_averaged(of_some):
     (gap, width, reason), (one, width_of_one, _) = of_some["two"], of_some["around"]
     assert gap == pytest.approx(one, rel=0.1)
