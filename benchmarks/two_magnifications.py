@@ -58,6 +58,7 @@ LEVELS = {
     JOINT: 0.975,
 }  # of the arms; of joints the bank has one for nine parts
 LEVEL_ELSEWHERE = 0.97  # whose errors differ more from map to map
+LEVEL_OF_FEW = 0.96  # with the coarsest pixels, of 15 maps: with 0.95 too few conductances lie inside
 LIMIT_LEVEL = 0.995  # of the limits of the gap, with which no coverage is lost
 LARGEST_CHANGE = 3.0  # of a logarithm, in the fit of the coefficients
 RIDGE = 3.0  # beside the weight of a map at a load: 0.5 to 4 score alike
@@ -325,12 +326,15 @@ def arms_of(errors: pd.DataFrame, measurand: str, level: float | None = None) ->
     """Return the coefficients of the changes, and the arms down and up at each load, of one factor."""
     errors = errors[errors["kind"] == "measured"]
     shares = coefficients_of(errors)
+    if level is None:
+        is_of_few = measurand == "surface" and errors["factor"].iloc[0] == FACTORS[-1]
+        level = LEVEL_OF_FEW if is_of_few else LEVELS[measurand]
     arms: dict = {"shares": shares.tolist(), "load": [], "down": [], "up": []}
     ratio = (errors["alone"] - changes_of(errors) @ shares) / size_of(errors, measurand)
     for load in JUDGED:
         some = (errors["load"] == load).to_numpy()
         weights = errors["weight"].to_numpy()[some]
-        low, high = calibrate.quantiles(ratio.to_numpy()[some], weights, level or LEVELS[measurand])
+        low, high = calibrate.quantiles(ratio.to_numpy()[some], weights, level)
         arms["load"].append(float(np.median(errors["area"].astype(float)[some])))
         arms["down"].append(-low)
         arms["up"].append(high)
@@ -457,6 +461,8 @@ def as_used(fine: pd.DataFrame, overviews: pd.DataFrame) -> pd.DataFrame:
             ends = {"low": "low_alone", "high": "limited", "error": "alone"}
             used = {key: np.where(wider, intervals[other], intervals[key]) for key, other in ends.items()}
             single = {key: intervals[other] for key, other in ends.items()}
+            for words, some in (("alone", intervals.assign(**single)), ("the overview", intervals)):
+                first[f"where {words} holds (%)"] = calibrate.shares(some[wider])["inside (%)"]
             for words, columns in (("map alone", single), ("with overview", used)):
                 rows.append(first | {"what": words} | by_load(intervals.assign(**columns)))
     return pd.DataFrame(rows)
