@@ -53,10 +53,11 @@ def course_sections(name: str, loading: xr.Dataset, results: Path, folder: Path)
     return sections
 
 
-def course_text(loading: xr.Dataset, path: Path) -> tuple[str, list[str]]:
-    """Return the part of the page that a file is, and its sentences."""
+def course_text(loading: xr.Dataset, path: Path) -> tuple[str, dict[str, list[str]]]:
+    """Return the part of the page that a file is, and of what `course_sections` has of it the sentences."""
     with opened_dataset(path) as over:
-        return _content(loading, path, over)[:2]
+        part, sentences, _ = _content(loading, path, over)
+        return part, {"sentences": sentences}
 
 
 def _content(loading: xr.Dataset, path: Path, over: xr.Dataset) -> tuple[str, *Part]:
@@ -67,17 +68,18 @@ def _content(loading: xr.Dataset, path: Path, over: xr.Dataset) -> tuple[str, *P
     return part, *content(loading, over)
 
 
-def answer_with_courses(line: str, texts: Mapping[str, Sequence[str]]) -> str:
+def answer_with_courses(line: str, sections: Mapping[str, Mapping[str, Any]]) -> str:
     """Return the answer of a surface: those of wear and sliding, then its `line` of the contact at rest.
 
     Examples
     --------
-    >>> answer_with_courses("At 1 MPa: ...", {"wear": ["Run in after 3 m: so. Proven: that."]})
+    >>> wear = {"sentences": ["Run in after 3 m: so. Proven: that."]}
+    >>> answer_with_courses("At 1 MPa: ...", {"wear": wear})
     'Run in after 3 m: so. Before sliding, at 1 MPa: ...'
     """
     for part, before in _BEFORE.items():
-        if part in texts:
-            first, *_ = texts[part][0].removesuffix(".").partition(". ")
+        if part in sections:
+            first, *_ = sections[part]["sentences"][0].removesuffix(".").partition(". ")
             line = f"{first}. {before}, {line[:1].lower()}{line[1:]}" if line else f"{first}."
     return line
 

@@ -90,9 +90,7 @@ def write_report(
             **of_panel,
             "panel": panel,
             "courses": courses,
-            "answer": answer_with_courses(
-                line, {part: section["sentences"] for part, section in courses.items()}
-            ),
+            "answer": answer_with_courses(line, courses),
             "glance": [[at_load[name] for name in (glance.LOAD, *asked)] for at_load in cells],
             "further": [[at_load[name] for name in (glance.LOAD, *further)] for at_load in cells],
             "numbers": _compared(numbers, units[key], last[key]) if has_index else [],

@@ -69,12 +69,12 @@ def write_panel(
     doubts = outcome.sort_by_importance(outcome.not_passed(all_checks))
     reason = glance.main_doubt(numbers, doubts)
     cells = glance.glance_rows(numbers, indices=indices[-1:])[0]
-    texts = dict(course_text(numbers, Path(course)) for course in courses)
+    sections = dict(course_text(numbers, Path(course)) for course in courses)
     summary: dict[str, Any] = {
         "identifier": surface if case is None else f"{case}--{surface}",
         "name": name_under(surface, case),
         "surface": surface,
-        "answer": answer_with_courses(glance.answer_line(numbers, indices[-1], cells), texts),
+        "answer": answer_with_courses(glance.answer_line(numbers, indices[-1], cells), sections),
         "verdict": verdict,
         "reasons": [outcome.reason_text(check) for check in doubts],
         "doubts": [str(check.name) for check in doubts],

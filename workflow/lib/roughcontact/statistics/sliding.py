@@ -198,8 +198,7 @@ def sliding_friction(
             )
             row = _numbers(contact, window, rubber, velocity, load)
             if seal is not None:
-                open_gap = np.where(start > 0, 0.0, gap)
-                passage = flow_columns(open_gap, spacing(window)) | percolation_columns(open_gap)
+                passage = flow_columns(gap, spacing(window)) | percolation_columns(gap)
                 leak_rates, _ = leaks_of_seal(row | passage, seal)
                 row |= {name: float(leak) for name, leak in leak_rates.items()}
             if strength is not None:
@@ -244,7 +243,7 @@ def _numbers(
         AREA: relative_contact_area(touching),
         PRESSURE: float(pressure[touching].mean()),
         PEAK: float(pressure.max()),
-        GAP: float(np.where(touching, 0.0, contact.gap).mean()),  # within the contact it is rounding
+        GAP: float(contact.gap.mean()),
         "friction_share_of_octave": ("octave", np.bincount(octave.ravel(), share_of_waves.ravel())),
         "friction_share_of_last_octave": float(share_of_waves[length * last_octave >= 2 * np.pi].sum()),
         "friction_share_beyond_table": float(share_of_waves[outside_table].sum()),
@@ -339,7 +338,7 @@ def sliding_contact(
     gap = applied(symbol, pressure) - heights
     return SlidingContact(
         pressure,
-        gap - gap[pressure > 0].mean(),
+        np.where(pressure > 0, 0.0, gap - gap[pressure > 0].mean()),  # within the contact it is rounding
         bound,
         contacts,
         float(friction_of_waves.sum()),
