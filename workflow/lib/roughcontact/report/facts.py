@@ -20,7 +20,6 @@ from roughcontact.report.tables import material_name
 from roughcontact.report.template import sentence
 from roughcontact.report.units import stated_loads, unit_of
 from roughcontact.statistics.adhesion import adhesion_in_words
-from roughcontact.statistics.friction import slip_in_words
 from roughcontact.statistics.kinds import facts_of_numbers, load_in_words
 from roughcontact.surface.levelling.record import removed_and_filled
 from roughcontact.surface.roughness.profile_parameters import profile_parameters
@@ -91,7 +90,7 @@ def number_facts(numbers: xr.Dataset) -> list[tuple[str, str]]:
         "Gap closes": closing,
         "Flow through the gap": _FLOW_NOT_SOLVED if closing and "flow_factor_xx" not in numbers else "",
         "Adhesion": adhesion_in_words(numbers),
-        "Stick and slip": slip_in_words(numbers),
+        "Stick and slip": numbers.attrs.get("slip_approximation", ""),
     }
     return [(name, text) for name, text in facts.items() if text]
 

@@ -36,6 +36,7 @@ from roughcontact.report.units import (
 )
 from roughcontact.statistics import decisions
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
+from roughcontact.statistics.friction import slip_in_words
 from roughcontact.statistics.kinds import facts_of_numbers, reason_without_flow
 from roughcontact.statistics.outcome import FAILED, VERDICTS, Check
 from roughcontact.statistics.precision import is_known, precision_in_words
@@ -249,7 +250,8 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Mapping[str, Cell], *, a
         precision = ", ".join(filter(None, known))
         words.append(f"{subject} {cell.text}".lstrip() + (f" ({precision})" if precision else ""))
     line = "; ".join([f"at {cells[LOAD].text}: {', '.join(words)}", *repeated])
-    return " ".join(f"{text[0].upper()}{text[1:]}." for text in [*allowed, line])
+    sentences = [f"{text[0].upper()}{text[1:]}." for text in [*allowed, line]]
+    return " ".join(filter(None, [*sentences, slip_in_words(numbers, index)]))
 
 
 def loads_to_compare(results: Sequence[xr.Dataset]) -> list[int]:

@@ -12,7 +12,6 @@ from roughcontact.arguments.stacks import half_spaces
 from roughcontact.contact.flash_temperature import flash_temperature
 from roughcontact.contact.partial_slip import APPROXIMATION, partial_slip
 from roughcontact.errors import SettingsError
-from roughcontact.statistics.kinds import load_in_words
 
 
 def friction_statistics(
@@ -77,19 +76,25 @@ def friction_statistics(
     return columns
 
 
-def slip_in_words(numbers: xr.Dataset) -> str:
-    """Return how much of the contact sticks at the largest normal load, empty where it was not solved."""
+def slip_in_words(numbers: xr.Dataset, index: int) -> str:
+    """Return how much of the contact sticks at a normal load, empty where it was not solved.
+
+    Examples
+    --------
+    >>> shares = {"stick_share": (("load", "tangential_load"), [[0.75, 0.4]]), "tangential_load": [0.3, 0.6]}
+    >>> slip_in_words(xr.Dataset(shares), 0)
+    'With the stated μ 75.0 % of the contact sticks at Q = 0.300 μP, 40.0 % at Q = 0.600 μP.'
+    """
     if "stick_share" not in numbers:
         return ""
-    largest = numbers.isel(load=int(numbers["mean_pressure"].values.argmax()))
-    shares = [
+    loads, shares = (numbers[name].values for name in ("tangential_load", "stick_share"))
+    words = [
         "full slip" if ratio == 1 else f"{percent(share)} of the contact sticks at Q = {number(ratio)} μP"
-        for ratio, share in zip(numbers["tangential_load"].values, largest["stick_share"].values, strict=True)
+        for ratio, share in zip(loads, shares[index], strict=True)
         if np.isfinite(share)
     ]
-    bound = number(float(largest["tangential_error_bound"].max()), digits=2)
-    load = load_in_words(float(largest["mean_pressure"]), numbers)[1]
-    return f"At {load} {'; '.join(shares)}; error of the traction at most {bound}. {APPROXIMATION}"
+    further = [word.replace(" of the contact sticks", "") for word in words[1:]]
+    return f"With the stated μ {', '.join(words[:1] + further)}." if words else ""
 
 
 def _equivalent_ratio(bodies: Sequence[Mapping[str, Any]] | None) -> float | None:
