@@ -942,17 +942,12 @@ def test_parts_of_an_interval_that_are_larger_than_the_value_are_drawn():
     assert not [path for path in axes if path.get("fill") != "none"]
 
 
-def test_the_sources_of_the_interval_and_the_results_by_the_shortest_wave():
+def test_the_sources_of_the_interval():
     to_the_pixels = rough(3, shortest=4e-6)
     numbers = evaluate(to_the_pixels, contact={"contact_modulus": 2e9, "relative_pressure": [0.05, 0.3]})
     shown = shown_budget(numbers, [0])
     assert shown["header"][2:] == ["solver", "grid", "window", "largest part"]
     assert shown["rows"][0][1] == number_text(numbers, "relative_contact_area", Unit(100.0, "%"), 0)
-    # results by the shortest wave
-    fine, coarse = numbers["max_pressure_at_cutoff"].values.T[:2]
-    change = percent(np.abs(fine / coarse - 1).max())
-    assert f"largest pressure (by up to {change})" in shown["converged"]
-    assert [name for name, _ in shown["magnification"]][:2] == ["contact area", "pressure in contact"]
 
 
 # --- many surfaces -----------------------------------------------------------------------------------------

@@ -10,9 +10,7 @@ from known_surfaces import self_affine
 import roughcontact as rc
 from roughcontact import contact_statistics, first_yield_pressure, height_map
 from roughcontact.arguments import materials
-from roughcontact.arguments.quantities import percent, quantity
 from roughcontact.contact.loads import plan_loads
-from roughcontact.report.tables import material_table
 from roughcontact.statistics import checks, contact_checks
 from roughcontact.statistics.outcome import (
     FAILED,
@@ -169,29 +167,6 @@ def test_first_yield_for_some_hardnesses_is_read_off_the_loads():
         exact = first_yield_pressure(window, contact_modulus=MODULUS, hardness=ratio * MODULUS)
         assert float(yield_pressures.sel(hardness_over_modulus=ratio)) == pytest.approx(exact, rel=0.1)
     assert np.isnan(yield_pressures.sel(hardness_over_modulus=0.1))  # beyond the loads
-
-
-def test_the_report_shows_what_some_hardnesses_would_mean():
-    window = rough()
-    loads = 0.03 * MODULUS * np.array([0.001, 0.01, 0.1])
-    solved = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=loads, reduce=contact_statistics)
-    statistics = add_first_yield(solved, window, {})
-    table = material_table(statistics, [0, 2])
-    assert [row[:2] for row in table["rows"]] == [
-        ["0.003", "300 MPa"],
-        ["0.01", "1000 MPa"],
-        ["0.03", "3000 MPa"],
-        ["0.1", "10000 MPa"],
-    ]
-    below, above = "below 3.00 MPa", "above 300 MPa"
-    first_yield = quantity(float(statistics["first_yield_pressure_by_ratio"][2]), "Pa")
-    assert [row[3] for row in table["rows"]] == [below, below, first_yield, above]
-    assert table["rows"][3][4:] == ["0 %, 0 %", "0 %, 0 %"]
-    assert table["header"][4:] == ["load, area above H at 3.00 MPa", "load, area above H at 300 MPa"]
-    share = float(statistics["load_share_above_ratio"][2, 1])
-    assert table["rows"][1][5].startswith(percent(share))
-    assert material_table(solved, [0]) is None  # first yield was not looked for
-    assert material_table(statistics.assign(contact_modulus=5e6), [0]) is None
 
 
 def per_load(modulus, mean, largest, **further):

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import AREA, COMPARED, CONDUCTANCE, ENDS, TITLES, UNITS
-from roughcontact.arguments.quantities import number, percent, prefix
+from roughcontact.arguments.answers import AREA, COMPARED, ENDS, TITLES, UNITS
+from roughcontact.arguments.quantities import number, prefix
 from roughcontact.arguments.variables import has_number
 from roughcontact.report.charts import Axis, Chart, curves_chart, log_axis
 from roughcontact.report.units import is_unbounded, largest_source, number_text, stated_loads, unit_of
@@ -22,13 +22,11 @@ _SOURCE_LABELS = {
     "unresolved": "unresolved waves",
     "combined": "all together",
 }
-_BY_CUTOFF = (*COMPARED, CONDUCTANCE)  # of the magnification curve
 _BEYOND = {  # measurands beyond band and map
     "octave": "with waves one octave shorter",
     "joint": "of a joint as large as the overview",
     "next": "of the next map",
 }
-_CONVERGED = 0.03  # change over the shortest octave that counts as none
 _MIN_SHARE = 0.01  # percent; less is not drawn
 
 
@@ -37,8 +35,7 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
 
     `loads` are the indices of those whose components and intervals are listed. `images` has the figure (data
     URI) of each quantity, `header` and `rows` the table, as `components` and `intervals`; `beyond` is on the
-    area beyond band and map, `magnification` on the shortest wave, `notes` on missing parts, `converged` on
-    the waves.
+    area beyond band and map, `notes` on missing parts.
     """
     if "source" not in numbers.dims:
         return None
@@ -54,13 +51,10 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
     notes = [numbers.attrs.get(key) for key in ("window_flag", "window_reason")]
     notes += [f"Not in the ±: {', '.join(absent)}." if absent else "", _note_on_open_ends(numbers)]
     excess, intervals = wider_intervals(numbers.isel(load=list(loads)))
-    by_cutoff = [cutoff_chart(numbers, name) for name in _BY_CUTOFF]
     return {
         "images": [(TITLES[name], budget_against_load(numbers, name).source()) for name in COMPARED],
         "beyond": [f"{name}: {text}" for name, text in excess.items()],
         "intervals": intervals,
-        "magnification": [(chart.title, chart.source()) for chart in by_cutoff if chart],
-        "converged": _note_on_convergence(numbers),
         "header": [stated.name, "contact area", *map(_SOURCE_LABELS.get, present), "largest part"],
         "rows": rows,
         "notes": [*filter(None, notes)],
@@ -151,29 +145,6 @@ def wider_intervals(numbers: xr.Dataset) -> tuple[dict[str, str], dict[str, Any]
         areas = (f"{row[column]} at {load}" for row, load in zip(rows, loads, strict=False))
         lines[header[column].capitalize()] = f"{TITLES[AREA]} {', '.join(areas)}"
     return lines, {"header": header, "rows": rows}
-
-
-def _note_on_convergence(numbers: xr.Dataset) -> str:
-    """Return a sentence on the results that still change over the shortest octave of waves."""
-    if "cutoff_wavelength" not in numbers or numbers.sizes["cutoff"] < 2:
-        return ""
-    moving, converged_names = [], []
-    for name in _BY_CUTOFF:
-        if f"{name}_at_cutoff" in numbers:
-            fine, coarse = numbers[f"{name}_at_cutoff"].values.T[:2]
-            usable = np.isfinite(fine) & (coarse > 0)  # none: of full contact, or of bodies with layers
-            change = float(np.max(np.abs(fine[usable] / coarse[usable] - 1), initial=-1.0))
-            moving += [f"{TITLES[name]} (by up to {percent(change)})"] if change > _CONVERGED else []
-            converged_names += [TITLES[name]] if 0 <= change <= _CONVERGED else []
-    result = []
-    if moving:
-        result.append(
-            f"Not converged, the shortest octave of waves still changes them: {', '.join(moving)}. Waves "
-            "that this map does not show may do so again: see the interval with an octave more."
-        )
-    if converged_names:
-        result.append(f"Converged, within {percent(_CONVERGED)}: {', '.join(converged_names)}.")
-    return " ".join(result)
 
 
 def cutoff_chart(numbers: xr.Dataset, name: str) -> Chart | None:

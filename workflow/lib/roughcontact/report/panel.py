@@ -116,7 +116,6 @@ def write_panel(
         budget=shown_budget(numbers, indices),
         tables=tables.number_tables(numbers, checks.load_flags(numbers, window_map.size)),
         outcomes=[glance.outcome_of(numbers, index) for index in range(numbers.sizes["load"])],
-        material=tables.material_table(numbers, indices),
         creep=tables.creep_table(numbers, indices),
         files=relative_links(path, contents) if linked else [],
         methods=methods_paragraph(numbers) if "level" in json_attribute(numbers.attrs, "settings") else "",

@@ -1,4 +1,4 @@
-"""The tables of the report, as text: numbers against load, materials."""
+"""The tables of the report, as text: numbers against load, creep."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,11 +8,10 @@ import xarray as xr
 
 from roughcontact.arguments.answers import COLUMNS, CREEPING, ENDS, TITLES, UNITS
 from roughcontact.arguments.kinds import PERIODIC_MAP
-from roughcontact.arguments.quantities import number, percent
+from roughcontact.arguments.quantities import number
 from roughcontact.arguments.variables import VARIABLES, Numbers, has_number
 from roughcontact.report.units import lacks_interval, number_text, stated_loads, unit_of
-from roughcontact.statistics.contact_checks import rubber_like
-from roughcontact.statistics.kinds import facts_of_numbers, load_in_words, reason_without_flow
+from roughcontact.statistics.kinds import facts_of_numbers, reason_without_flow
 
 _STRESSES = "Stress below the surface"  # title of the table of
 # of bodies with layers, for each material and for each interface
@@ -20,14 +19,6 @@ _OF_LAYERS = (
     ("material_von_mises_stress", "von Mises in {}", "Pa"),
     ("interface_shear_stress", "shear below {}", "Pa"),
     ("interface_normal_stress", "normal stress below {}", "Pa"),
-)
-
-# materials with the hardness over modulus of `bearing.HARDNESS_OVER_MODULUS`
-_MATERIALS = (
-    "annealed pure metals",
-    "structural steels, aluminium alloys",
-    "hardened steels, carbides",
-    "ceramics, glasses, glassy polymers",
 )
 
 Table = dict[str, Any]
@@ -133,25 +124,3 @@ def _duration(seconds: float) -> str:
     longest_first = (("years", 31557600.0, 1), ("h", 3600.0, 2), ("min", 60.0, 2), ("s", 1.0, 0))
     name, length = next((name, length) for name, length, least in longest_first if seconds >= least * length)
     return f"{seconds / length:.4g} {name}"
-
-
-def material_table(numbers: xr.Dataset, load_indices: Sequence[int]) -> Table | None:
-    """Return the table of yield by hardness of classes, None with a hardness and for rubber-like bodies."""
-    if "first_yield_pressure_by_ratio" not in numbers or rubber_like(numbers):
-        return None
-    modulus, pressure = float(numbers["contact_modulus"]), unit_of(numbers, "Pa").text
-    loads_in_words = stated_loads(numbers).texts
-    header = ["H/E*", "hardness H", "as of", f"first yield at {facts_of_numbers(numbers).load_symbol}"]
-    header += [f"load, area above H at {loads_in_words[index]}" for index in load_indices]
-    rows = []
-    for ratio, text in zip(numbers["hardness_over_modulus"].values, _MATERIALS, strict=True):
-        of_class = numbers.sel(hardness_over_modulus=ratio)
-        first_yield = float(of_class["first_yield_pressure_by_ratio"])
-        is_elastic = float(numbers["max_pressure_over_modulus"].max()) < ratio
-        yields = f"above {loads_in_words[-1]}" if is_elastic else f"below {loads_in_words[0]}"
-        if np.isfinite(first_yield):
-            yields = load_in_words(first_yield, numbers)[1]
-        shares = (of_class[f"{name}_share_above_ratio"].values[load_indices] for name in ("load", "area"))
-        texts = [", ".join(map(percent, pair)) for pair in zip(*shares, strict=True)]
-        rows.append([number(float(ratio), digits=1), pressure(ratio * modulus), text, yields, *texts])
-    return {"header": header, "rows": rows}

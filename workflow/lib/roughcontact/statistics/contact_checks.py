@@ -329,13 +329,14 @@ def _temperature_doubt(statistics: Statistics) -> str:
 
 def _loads(mask: np.ndarray | xr.DataArray, statistics: Statistics) -> str:
     """Return the loads concerned, as the beginning of a sentence."""
-    pressures, unit = statistics["mean_pressure"].values, unit_of_pressures(statistics)
+    pressures = statistics["mean_pressure"].values
     chosen = pressures[np.asarray(mask)]
+    _, lightest = load_in_words(float(chosen.min()), statistics)
     if pressures.size == 1:
-        return f"At {unit.text(float(chosen[0]))}"
+        return f"At {lightest}"
     if chosen.size == pressures.size:
         return "At every load"
-    return f"At {chosen.size} of {pressures.size} loads, from {unit.text(float(chosen.min()))} on,"
+    return f"At {chosen.size} of {pressures.size} loads, from {lightest} on,"
 
 
 @np.errstate(invalid="ignore")  # full contact has no constriction

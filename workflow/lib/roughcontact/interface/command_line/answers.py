@@ -138,10 +138,10 @@ def group(result: Mapping[str, Any], answer: xr.Dataset | None) -> str:
 
 
 def _bodies_at_loads(numbers: xr.Dataset) -> list[tuple[str, str]]:
-    """Return the contact of a body of finite size at each load, or of one wider than its map."""
+    """Return the contact of a body of finite size at the last load, or at each of one wider than its map."""
     loads = range(numbers.sizes["load"])
-    sizes = [("body", facts.size_of_contact(numbers, index)) for index in loads]
-    lines = [line for line in sizes if line[1]]
+    size = facts.size_of_contact(numbers, loads[-1])
+    lines = [("body", size)] if size else []
     tables = {table["title"]: table for table in number_tables(numbers, [""] * len(loads))}
     if wider := tables.get(TABLES["local_contact_area"]):
         for index, row in enumerate(wider["rows"]):
