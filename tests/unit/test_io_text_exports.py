@@ -89,6 +89,26 @@ def test_the_distances_of_a_sensor_above_a_stage_are_heights(read):
 
 
 @pytest.mark.parametrize(
+    ("header", "rows"),
+    [
+        ("z in µm", "0 1 start; 1 2 ; 2 3 "),
+        ("z in µm\nNODATA;1e30", "0 1 ok; 1 2 ok; 2 3 ok;;EOF"),
+        ("z in µm", "0 1 ok;;1 2 ok;;2 3 ok"),
+    ],
+    ids=["three words", "a marker alone", "gaps"],
+)
+def test_a_column_of_words_takes_nothing_else_along(read, header, rows):
+    height = read(header + "\n" + rows.replace(";", "\n"), unit="mm")
+    holds(height, 1e-6 * np.array([[1.0, 2.0, 3.0]]), rtol=1e-12)
+    assert "column 3" in warnings_of(height)
+
+
+def test_an_empty_quoted_cell_at_the_end_of_a_file_is_a_missing_point(read):
+    rows = '"1","2","3","4"\n' * 3 + '"5","6","7",""\n'
+    holds(read(f'"Height"\n{rows}', **GIVEN), 1e-6 * np.array([[5, 6, 7, np.nan], *[[1, 2, 3, 4]] * 3]))
+
+
+@pytest.mark.parametrize(
     ("footer", "noted"),
     [
         *((word, "") for word in ("EOF", "*** End of data ***", "-- Ende --", "结束", "# Ra = 0.25")),

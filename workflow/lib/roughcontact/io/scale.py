@@ -170,4 +170,5 @@ def _refuse_cut_matrix(channel: Channel, dx: float, dy: float) -> None:
     wrong = f"{ny} lines of {nx} numbers do not fit the size in the header"
     pixels = f"the pixels would be {dx:.6g} m x {dy:.6g} m; the file seems to be cut off"
     way_out = f"If it is whole, {channel.scale_advice}"
-    raise InputFileError(f"{wrong}: {pixels}. {way_out}", keys=["dx", "dy", "unit"])
+    keys = ["dx", "dy", "unit", *["height_unit"] * (channel.height_unit is None)]
+    raise InputFileError(f"{wrong}: {pixels}. {way_out}", keys=keys)

@@ -186,12 +186,16 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     # rows of numbers are none of labelled ones
     pairs = (at for at in filled if _are_labelled(lines[at : at + 2]))
     extent = f" in its first {_MAX_HEADER_LINES} lines" if len(filled) > _MAX_HEADER_LINES else ""
-    start = next(chain(rows, pairs), len(lines))
-    first_row = next((line for line in (lines[start:] or lines[::-1]) if line.strip()), "")
+    found = next(chain(rows, pairs), None)
+    # without one each row has a word, and below them may be lines of words
+    ends = (at + 1 for at in reversed(filled) if not extent and is_row(lines[at]))
+    bottom = next(ends, len(lines)) if found is None else found
+    below = lines[bottom:] if found is not None else lines[:bottom][::-1]
+    first_row = next((line for line in below if line.strip()), "")
     # rows with a remark beside the first points stand above the first row of numbers alone
-    while start and (start < len(lines) or not extent) and _is_row_like(lines[start - 1], first_row):
-        start -= 1
-    if start < len(lines):
+    above = (at for at in reversed(filled) if at < bottom and not (extent and found is None))
+    start = min(takewhile(lambda at: _is_row_like(lines[at], first_row), above), default=bottom)
+    if found is not None or start < bottom:
         return lines[:start], lines[start:]
     sample = lines[filled[0]].strip() if filled else ""
     way_out = "; delete lines above the table" * bool(extent)
@@ -199,8 +203,14 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
 
 
 def _is_remark(lines: list[str]) -> bool:
-    """Return whether the first of three lines begins with a semicolon, as none of the cells below it end."""
-    return lines[0].lstrip().startswith(";") and not any(";" in below for below in lines[1:])
+    """Return whether the first of three lines begins with a semicolon, as none of the cells below it end.
+
+    Or with a word for a missing point, and has another number of cells: it states which number marks these.
+    """
+    start, following = lines[0].lstrip()[:1], "".join(lines[1:2]).strip()
+    if following and start.isalpha() and len(_cells(lines[0])) != len(_cells(following)):
+        return True
+    return start == ";" and not any(";" in below for below in lines[1:])
 
 
 def _are_labelled(lines: list[str]) -> bool:
@@ -269,7 +279,9 @@ def strip_remarks(
         notes.append(f"column {index + 1} ({listing}) holds {kind} and is left out")
 
     def kept(line: str) -> str:
-        if len(cells := line.strip(" \r\f").split(dialect.delimiter)) != width and not is_row(line):
+        is_sentence = dialect.delimiter is None and bool(statements([line]))  # "Heights in µm"
+        cells = line.strip(" \r\f").split(dialect.delimiter)
+        if not is_row(line) and (len(cells) != width or is_sentence):
             return line
         kept_cells = [cell for index, cell in enumerate(cells) if index not in columns | remarks]
         return (dialect.delimiter or " ").join(kept_cells)
@@ -297,6 +309,8 @@ def _unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]
     sample = next((line for line in body if line.strip()), "")
     if '"' not in sample[:_MAX_PREFIX]:
         return header, body
+    if not all(line.endswith('""') for line in body):  # a cell of a missing point, at the end of a row
+        body = [line.removesuffix('""') + '"NaN"' * line.endswith('""') for line in body]
     between_blanks = " " if re.search(r'"\s+[-+.\d"]', sample) else ","  # of R, and of a spreadsheet
     delimiter = next((sign for sign in ";\t" if sign in sample), between_blanks)
     cells_of = partial(csv.reader, delimiter=delimiter, skipinitialspace=True)
