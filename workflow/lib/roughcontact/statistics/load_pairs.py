@@ -86,9 +86,10 @@ def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset
     limit = max(value.size for value in map_loads)
     if distinct.size <= limit:
         return distinct
-    solved = np.all([same_load(distinct[:, None], value).any(axis=1) for value in map_loads], axis=0)
-    grid = np.geomspace(low, high, limit)
-    return np.sort(np.r_[distinct[solved], grid[~same_load(grid[:, None], distinct[solved]).any(axis=1)]])
+    solved_by_all = np.all([same_load(distinct[:, None], value).any(axis=1) for value in map_loads], axis=0)
+    # those that some map was solved at: of states far apart, as first yield and a target, no curve is known
+    spread = np.linspace(0, distinct.size - 1, limit).round().astype(int)
+    return distinct[np.union1d(np.flatnonzero(solved_by_all), spread)]
 
 
 def loads_reaching(goals: npt.ArrayLike, loads: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -69,8 +69,8 @@ def group_statistics(
     Maps with a ± of their own, each of its own part or all of one, have intervals; else three parts (maps,
     where each is of its own part) or more have them, two the range of their maps. A single map keeps its own
     numbers. Loads are those that all maps have; where these differ, also
-    others within their common range, at which maps are interpolated (monotone cubic in the logarithm of the
-    load, on the scale of the quantity), never beyond.
+    others within their common range, those of single maps, to which the other ones are interpolated
+    (monotone cubic in the logarithm of the load, on the scale of the quantity), never beyond.
 
     Parameters
     ----------
