@@ -12,6 +12,7 @@ from small_project import ROOT, Project
 
 import roughcontact as rc
 from roughcontact import read_dataset
+from roughcontact.arguments.answers import ENDS, FRICTION
 from roughcontact.surface.faces.placing import recorded_place, separate_overviews
 
 SETTINGS = {
@@ -135,3 +136,21 @@ def test_an_overview_of_another_place_is_refused_before_anything_is_solved(tmp_p
     assert "overview: field.txt does not show the place of fine.npy: it fits best at (" in run.stderr
     assert "(surfaces.tsv, line 2)" in run.stderr
     assert not project.path("results/ground/contact.nc").exists()
+
+
+@pytest.mark.slow
+def test_rubber_slides_over_a_map_with_an_overview(tmp_path):
+    """The places of the overview are part of the ± of the friction, as in a plain call."""
+    project = Project(tmp_path / "project", ROOT)
+    write_pair(project.path("measured"))
+    bodies = [{"relaxation": "EPDM-70"}, "rigid"]
+    contact = {"contact": {"bodies": bodies, "mean_pressure": 5e4}, "sliding": {"speed": 0.1}}
+    project.write(SETTINGS | contact, TABLE)
+    project.succeed()
+    slid = read_dataset(project.path("results/ground/sliding.nc"))
+    friction, lower, upper = (slid[f"{FRICTION}{end}"].item() for end in ENDS)
+    assert 0 < lower < friction < upper
+    project.write(SETTINGS | contact, [line.rpartition("\t")[0] for line in TABLE])
+    project.succeed()
+    alone = read_dataset(project.path("results/ground/sliding.nc"))
+    assert alone[f"{FRICTION}_upper"].item() / alone[f"{FRICTION}_lower"].item() < upper / lower
