@@ -33,6 +33,16 @@ def test_conversion_factor_and_counts_in_the_header(read):
     holds(read(header + cells(HEIGHTS, " ")), 2.5e-8 * UPPER_FIRST, 3.5e-7, 3.5e-7)
 
 
+def test_inspection_gives_channel_and_map_the_same_heights_where_the_header_has_a_factor(tmp_path):
+    header = "h=3 w=4\npixel size=3.5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2.5e-008\n"
+    contents = inspect_file(saved(tmp_path, header + cells(HEIGHTS, " ")))
+    (channel,), found = contents["channels"], contents["map"]
+    assert channel["height_unit"] == "m"
+    for key in ("lowest", "highest"):
+        assert channel[key] == pytest.approx(found[key], rel=1e-12)
+    assert channel["rms_height"] == pytest.approx(2.5e-8 * np.std(UPPER_FIRST), rel=1e-12)
+
+
 def test_counts_with_their_value_in_nanometres(read):
     header = "# x-pixels = 4\n# y-pixels = 3\n# x-length = 2000\n# y-length = 1500\n# Bit2nm = 0.01\n"
     holds(read(header + MATRIX, unit="nm"), 1e-11 * UPPER_FIRST, 500e-9, 500e-9)

@@ -140,7 +140,7 @@ def _descriptions(channels: list[Channel], path: Path, *, chosen: str | None) ->
         if is_read and not channel.no_height:
             try:
                 with naming(path):
-                    values = channel.read()
+                    values = channel.count_height * channel.read()
                 if np.isfinite(values).any():
                     properties |= _extent(values) | {"rms_height": float(np.nanstd(values))}
             except InputFileError as error:
