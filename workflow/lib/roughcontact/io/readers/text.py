@@ -99,10 +99,9 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     lines = ((*each, unit_of_heights(each[1])) for each in rows.filled[: -_MAX_DISTANCE - 1 : -1])
     for number, line, unit in islice((heading for heading in lines if heading[2]), 1):
         by_meaning.setdefault("height_unit", []).append(Statement(unit, line=number, text=line.strip()))
+    _add_markers(by_meaning, rows, values.size)
     check_agreement(by_meaning)
     values[(np.abs(values) > MIN_MARKER) | (values == _KEYENCE)] = np.nan  # infinite ones too
-    if {line.split()[0].lower() for _, line in rows.filled} >= _ARC_INFO:
-        by_meaning.setdefault("missing", [Statement(-9999.0)])  # by default of the format
     doubts += thousands(by_meaning, rows.texts[empty_corner:], dialect)  # without positions
     # a range of heights that is that of the numbers has their unit: no other line needs to say it
     markers = [statement.value for statement in by_meaning.get("missing", [])]
@@ -140,6 +139,15 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     counts = counts or [count.value for count in points if count.line == points[0].line]
     _refuse_cut_table(values.shape, counts)
     return _Text(rows, values, empty, empty_corner, short, dialect.delimiter, by_meaning, columns, doubts)
+
+
+def _add_markers(stated: Stated, rows: Rows, size: int) -> None:
+    """Add markers of missing points among `size` numbers: of the format, and numbers of invalid points."""
+    for invalid in stated.pop("invalid", []):
+        if not 0 <= invalid.value <= size:  # else it may be the number of such points
+            stated.setdefault("missing", []).append(invalid)
+    if {line.split()[0].lower() for _, line in rows.filled} >= _ARC_INFO:
+        stated.setdefault("missing", [Statement(-9999.0)])  # by default of the format
 
 
 def _unused(table: _Text) -> list[tuple[int, str]]:

@@ -58,7 +58,6 @@ _PIECES = re.compile(
 )
 # "18 columns"
 _COUNTED = re.compile(r"(\d+(?:\s*[x×]\s*\d+)?)\s+([^\W\d]+)(?:\s*(?:[x×]|\band\b|\bby\b)\s*|$)")
-_MOST_POINTS = 1e9  # of a map
 _MAX_UNIT = 20  # characters of a unit behind words
 _MAX_PHRASE = 200  # characters of an entry in words; the patterns take the square of their number
 NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
@@ -395,10 +394,10 @@ def _meaning(key: str) -> str | None:
 def _parse_entry(key: str, value: str, sign: str) -> Entries:
     """Yield the meanings and statements of one entry; none where it is not understood."""
     value = value.strip(" \"\t;,'")  # a spreadsheet fills lines with separators
-    density = _DENSITY.search(value) or _DENSITY.search(key)
-    if density and is_length(density[1]):
-        yield from _parse_density(_DENSITY.sub("", key), value, density[1], sign)
-        return
+    density, number = _DENSITY.search(value) or _DENSITY.search(key), NUMBER.match(value)
+    if density and number and is_length(density[1]):  # "Sampling: 2500 px/mm", "Pixels per mm: 2500"
+        step = f"{1 / (number_and_rounding(number[0], sign)[0] or math.nan):.9e}".replace(".", sign or ".")
+        key, value = _DENSITY.sub("", key).strip() or "pixel size", f"{step} {density[1]}/pixel"
     key, value, axes = _strip_sides(key, value)
     name, unit = _name_and_unit(key)
     meaning = _meaning(name)
@@ -468,15 +467,6 @@ def _parse_quantities(meaning: str, entry: tuple[str, str, str], unit: str, sign
         yield from _parse_numbers(form.format(axis), number, unit, sign)
 
 
-def _parse_density(key: str, value: str, unit: str, sign: str) -> Entries:
-    """Yield the step of a number of pixels in one `unit` of length."""
-    meaning, number = _meaning(key) if key.strip() else "step", NUMBER.match(value)
-    meaning = _BY_UNIT.get(meaning or "", [meaning])[0]
-    count, rounding = number_and_rounding(number[0], sign) if number else (0.0, 0.0)
-    if count > 0 and meaning in ("dx", "dy", "step", "per_pixel"):
-        yield meaning.replace("per_pixel", "step"), Statement(1 / count, unit, rounding / count**2)
-
-
 def _strip_sides(key: str, value: str) -> tuple[str, str, str]:
     """Return a key and a value without the names of the sides of a map, and the axes of its two numbers.
 
@@ -508,8 +498,6 @@ def _parse_numbers(meaning: str, match: re.Match[str], unit: str, sign: str) -> 
     if meaning in _BY_UNIT:  # "Pixel x: 0.4 µm" is a step, "Pixel x: 18" a number of them
         meaning = _BY_UNIT[meaning][not is_length(_PER_PIXEL.sub("", value_unit or unit))]
     number, rounding = number_and_rounding(match[0].rstrip(".,"), sign)
-    if meaning == "invalid" and not 0 <= number < _MOST_POINTS:  # else it may be the number of such points
-        meaning = "missing"
     if meaning in _COUNTS:  # 1,024 and 18.0000001
         number = float(re.sub(r"\D", "", match[0])) if math.isnan(number) else round(number, 6)
     if meaning == "per_pixel" and _PER_PIXEL.search(suffix or unit):
@@ -521,7 +509,7 @@ def _parse_numbers(meaning: str, match: re.Match[str], unit: str, sign: str) -> 
     if meaning in _COUNTS and number % 1:
         return
     bare_size = meaning == "size" and not is_length(value_unit)
-    unclear = bare_size or meaning in ("per_pixel", "invalid", "-")
+    unclear = bare_size or meaning in ("per_pixel", "-")
     if unclear or (meaning in LENGTHS and _RANGE.match(suffix)):
         return
     yield meaning, Statement(number, value_unit, rounding)
