@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 import roughcontact as rc
+from roughcontact.results.collect import Entry, collect_statistics
 from roughcontact.statistics.friction import slip_in_words
 from roughcontact.surface.synthetic import rough_reference_surface
 
@@ -23,13 +24,20 @@ def statistics_with(friction, **contact):
     )
 
 
-def test_the_settings_add_the_friction_of_each_load():
+def test_the_settings_add_the_friction_of_each_load(tmp_path):
     shares = [0.3, 0.6, 1.0]
     statistics = statistics_with({"coefficient": 0.2, "tangential_load": shares, "shear_strength": "200 MPa"})
     assert statistics["stick_share"].dims == ("load", "tangential_load")
     assert (np.diff(statistics["stick_share"].values) < 0).all()
     assert (statistics["stick_share"][:, -1] == 0).all(), "the whole contact slips"
     assert slip_in_words(statistics, 1).endswith("at Q = 0.600 μP, full slip.")
+    # of the results of a run, too, unless cases differ in them
+    files = [tmp_path / name for name in ("one.nc", "other.nc")]
+    for file, loads in zip(files, (shares, [0.2, 0.4, 0.9]), strict=True):
+        statistics.assign_coords(tangential_load=loads).to_netcdf(file)
+    one, other = (Entry(surface="a", case=str(file), statistics=file) for file in files)
+    np.testing.assert_array_equal(collect_statistics([one])["tangential_load"], shares)
+    assert slip_in_words(collect_statistics([one, other]).isel(case=0, surface=0), 1) == ""
     area, load = statistics["relative_contact_area"].values, statistics["mean_pressure"].values
     np.testing.assert_allclose(statistics["friction_coefficient"].values, 2e8 * area / load)
 

@@ -261,14 +261,14 @@ def _compared(data: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[R
     return row
 
 
-def _which_loads(rows: Sequence[Row], results: Sequence[xr.Dataset], has_shared: bool) -> str:
+def _which_loads(rows: Sequence[Row], results: Sequence[xr.Dataset], are_shared: bool) -> str:
     """Return which loads of the surfaces the table has, in words; empty where it has all."""
-    numbers = (len(row["glance"]) for row in rows)
-    if all(number == data.sizes["load"] for number, data in zip(numbers, results, strict=True)):
+    if all(len(row["glance"]) == data.sizes["load"] for row, data in zip(rows, results, strict=True)):
         return ""
-    loads = "Of the loads that all share" if has_shared else "Of more than three loads"
-    own = "" if has_shared or len(rows) == 1 else ", others of each surface"
-    return f"{loads} those nearest to 1, 10 and 30 % contact{own}; all are in the section of each surface."
+    loads = "the loads that all share" if are_shared else "the loads of each surface"
+    return (
+        f"Of {loads} those nearest to 1, 10 and 30 % contact are shown; the section of each surface has all."
+    )
 
 
 def _which_load(indices: Sequence[int], results: Sequence[xr.Dataset]) -> str:

@@ -34,7 +34,8 @@ _NOT_IN_TABLE = {
     *("member", "material", "interface"),
 }
 # labels of a dimension that are the same for all surfaces
-_COMMON_LABELS = {"source": object, "input": object, "component": object, "hardness_over_modulus": float}
+_COMMON_LABELS = dict.fromkeys(("source", "input", "component"), object)
+_COMMON_LABELS |= dict.fromkeys(("hardness_over_modulus", "tangential_load"), float)
 # attributes of each file
 _BANDS = ("band_shortest", "band_longest", "band_reason", "corrected_for", "measured_by", "stresses_of")
 _VALUES = ("value", "lower", "upper")
@@ -116,9 +117,10 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     result = xr.Dataset(columns, coords=coordinates)
     result = result.set_coords([name for name in _COORDINATES if name in columns])
     for name, label_kind in _COMMON_LABELS.items():
-        if name in sizes:
-            template = next(arrays for arrays in datasets.values() if name in arrays)
-            result = result.assign_coords({name: template[name].values.astype(label_kind)})
+        labels = [arrays[name].values for arrays in datasets.values() if name in arrays]
+        # cases may state other tangential loads
+        if labels and all(np.array_equal(labels[0], others) for others in labels):
+            result = result.assign_coords({name: labels[0].astype(label_kind)})
     result.attrs["source_sha256"] = json.dumps(checksums, sort_keys=True)
     selectors: dict[str, Callable[[Mapping[str, Any]], Any]] = {
         "verdicts": lambda attrs: json.loads(attrs["verdicts"]),

@@ -77,7 +77,7 @@ def friction_statistics(
 
 
 def slip_in_words(numbers: xr.Dataset, index: int) -> str:
-    """Return how much of the contact sticks at a normal load, empty where it was not solved.
+    """Return how much of the contact sticks at a normal load, empty where that, or Q, is not known.
 
     Examples
     --------
@@ -85,7 +85,7 @@ def slip_in_words(numbers: xr.Dataset, index: int) -> str:
     >>> slip_in_words(xr.Dataset(shares), 0)
     'With the stated μ 75.0 % of the contact sticks at Q = 0.300 μP, 40.0 % at Q = 0.600 μP.'
     """
-    if "stick_share" not in numbers:
+    if not {"stick_share", "tangential_load"} <= {*numbers.variables}:
         return ""
     loads, shares = (numbers[name].values for name in ("tangential_load", "stick_share"))
     words = [
