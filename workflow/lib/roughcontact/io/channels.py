@@ -216,9 +216,7 @@ def as_heights(values: ArrayLike) -> np.ndarray:
         raise InputFileError(f"values of type {plain.dtype}, not real numbers; store heights as float64")
     with np.errstate(all="ignore"):  # a NaN of single precision may be a signalling one
         heights = np.array(plain, dtype=float, ndmin=2)
-    if isinstance(values, np.ma.MaskedArray):
-        heights[np.atleast_2d(np.ma.getmaskarray(values))] = np.nan
-    heights[~np.isfinite(heights)] = np.nan
+    heights[np.atleast_2d(np.ma.getmaskarray(values)) | ~np.isfinite(heights)] = np.nan
     if np.nanmax(np.abs(heights), initial=0.0) > MIN_MARKER:
         for marker in _MARKERS:
             heights[np.abs(np.abs(heights) / marker - 1) < 1e-5] = np.nan

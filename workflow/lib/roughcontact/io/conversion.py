@@ -3,6 +3,7 @@
 Every map is right-handed, the height towards the viewer, row 0 the bottom line of the picture.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,15 +37,12 @@ class Converted:
     first_row: str  # of the file, in the picture: `top` or `bottom`
     first_row_assumed: bool
 
-    def centres(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the cell centres (x, y; m, rising), from the file's first one or half a step."""
+    def centres(self) -> Iterator[np.ndarray]:
+        """Yield the cell centres along x and y (m, rising), from the file's first one or half a step."""
         (ny, nx), channel = self.heights.shape, self.channel
-        x, y = (
-            (0.5 * step if origin is None or not channel.dx else origin * (self.dx / channel.dx))
-            + step * np.arange(n)
-            for n, step, origin in ((nx, self.dx, channel.first_x), (ny, self.dy, channel.first_y))
-        )
-        return x, y
+        for n, step, origin in ((nx, self.dx, channel.first_x), (ny, self.dy, channel.first_y)):
+            first = 0.5 * step if origin is None or not channel.dx else origin * (self.dx / channel.dx)
+            yield first + step * np.arange(n)
 
 
 def convert(file: MeasuredFile, request: Request) -> Converted:

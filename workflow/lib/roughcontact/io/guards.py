@@ -3,7 +3,6 @@
 import hashlib
 import os
 import re
-import stat
 import traceback
 import zipfile
 import zlib
@@ -99,9 +98,9 @@ def check_file(path: Path) -> None:
     except (OSError, ValueError) as error:
         where = "relative paths start at the working folder"
         raise InputFileError(f"no such file; check the path ({where})") from error
-    if stat.S_ISDIR(status.st_mode):
+    if path.is_dir():
         raise InputFileError("is a folder; name one file in it (roughcontact inspect lists them)")
-    if not stat.S_ISREG(status.st_mode):
+    if not path.is_file():
         raise InputFileError("is no regular file")
     if status.st_size == 0:
         raise InputFileError("the file is empty")

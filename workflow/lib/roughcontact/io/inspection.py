@@ -105,9 +105,12 @@ def _map(path: Path, request: Request, file: MeasuredFile) -> tuple[dict, np.nda
             result = convert(file, request)
     except (InputFileError, HeightMapError) as error:
         # the channel is shown although it cannot be converted: that is why people look
-        first_channel = next((channel.name for channel in file.channels if not channel.no_height), None)
-        name = first_channel if request.channel is None else None
-        return content | {"channel": name, "problem": str(error), "needed": list(error.keys)}, None
+        heights = (channel.name for channel in file.channels if not (channel.no_height or request.channel))
+        return content | {
+            "channel": next(heights, None),
+            "problem": str(error),
+            "needed": [*error.keys],
+        }, None
     doubts = suspicions(result.heights, result.dx, result.dy, kind=file.kind)
     content |= {"channel": result.channel.name, "channel_choice": result.choice, "map": _measured(result)}
     content |= {key: getattr(result, key) for key in ("sources", "first_row", "first_row_assumed")}

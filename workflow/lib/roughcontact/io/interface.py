@@ -54,19 +54,21 @@ class Reader:
     binary: bool = False
 
 
-def read_head(path: Path) -> bytes:
+def read_head(path: Path, size: int = HEAD_BYTES) -> bytes:
     """Return the first bytes of a file, which identify most formats.
 
     Parameters
     ----------
     path : Path
+    size : int
+        How many of them.
 
     Returns
     -------
     bytes
     """
     with path.open("rb") as stream:
-        return stream.read(HEAD_BYTES)
+        return stream.read(size)
 
 
 def begins_with(*marks: bytes, in_text: bool = True) -> Callable[[Path, bytes], bool]:

@@ -7,7 +7,7 @@ persons are left out.
 import datetime
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from roughcontact.arguments.quantities import number
@@ -37,12 +37,10 @@ def instrument_metadata(facts: Mapping[str, Any], header: Mapping | None = None)
     >>> instrument_metadata({"vendor": "Zygo"}, {"Objective": "20X Mirau", "Serial Number": 594, "date": "-"})
     {'vendor': 'Zygo', 'serial': 594, 'lens': '20X Mirau'}
     """
-    candidates: dict[str, tuple[int, str | float]] = {}
-    _search(header, candidates, depth=0)
-    best = {entry: value for entry, (_, value) in candidates.items()}
-    for entry, value in facts.items():
-        if (plain := _plain(value)) is not None:
-            best[entry] = plain
+    best: dict[str, str | float] = {}
+    for _, entry, value in sorted(_entries(header), key=lambda each: each[0]):
+        best.setdefault(entry, value)
+    best |= {entry: plain for entry, value in facts.items() if (plain := _plain(value)) is not None}
     aperture = best.get("numerical_aperture")
     if aperture is not None and not (isinstance(aperture, float | int) and 0 < aperture < 2):
         del best["numerical_aperture"]
@@ -53,21 +51,17 @@ def instrument_metadata(facts: Mapping[str, Any], header: Mapping | None = None)
     return {entry: best.pop(entry) for entry in LABELS if entry in best} | best
 
 
-def _search(header: Any, candidates: dict[str, tuple[int, str | float]], depth: int) -> None:
-    """Add the entries of a header to `candidates` (key -> rank of its spelling, value)."""
+def _entries(header: Any, depth: int = 0) -> Iterator[tuple[int, str, str | float]]:
+    """Yield the known entries of a header: the rank of the spelling, the key, and the value."""
     for key, value in header.items() if hasattr(header, "items") else ():
         name = re.sub(r"[^a-z0-9]", "", str(key).lower())
         if hasattr(value, "items"):
             # deeper lie settings of parts of the instrument, under the same names
             if depth < 2 and name != "software":
-                _search(value, candidates, depth + 1)
-            continue
-        if name.endswith("serialnumber") and name.startswith(("tip", "software")):
-            continue
-        entry, rank = _MEANING.get(name, ("", 0))
-        plain = _plain(value) if entry else None
-        if plain is not None and (entry not in candidates or rank < candidates[entry][0]):
-            candidates[entry] = rank, plain
+                yield from _entries(value, depth + 1)
+        elif name in _MEANING and (plain := _plain(value)) is not None:
+            entry, rank = _MEANING[name]
+            yield rank, entry, plain
 
 
 def _plain(value: Any) -> str | float | None:

@@ -9,7 +9,7 @@ from math import prod
 import numpy as np
 
 from roughcontact.errors import HeightMapError, InputFileError
-from roughcontact.io.channels import Channel, Points
+from roughcontact.io.channels import Channel
 from roughcontact.io.guards import check_points
 from roughcontact.io.request import Request
 from roughcontact.io.scale import given_step
@@ -21,59 +21,49 @@ _REACH = 2.0  # steps from the nearest point beyond which a grid point counts as
 def resample_evenly(channel: Channel, request: Request) -> tuple[Channel, Request, list[str]]:
     """Return the channel on an even grid, the request less the steps used, and how it was resampled.
 
-    The list of sentences is empty where it was not resampled.
+    Heights are linear within the triangles of Delaunay (1934, Bulletin de l'Académie des Sciences de l'URSS
+    6, 793), of a profile between neighbours; none outside, or further than two steps from any point. A step
+    that is not given is sqrt(area / number), the same along x and y. The list of sentences is empty where the
+    channel was not resampled.
+
+    Examples
+    --------
+    >>> from roughcontact.io.channels import Points
+    >>> x = np.array([0.0, 1.0, 3.0, 4.0])
+    >>> points = Points(x, None, 10 * x, "the positions along x are not evenly spaced")
+    >>> trace = Channel("height", (1, 4), lambda: None, points=points)
+    >>> gridded, _, done = resample_evenly(trace, Request(resample="linear", dx=2.0, unit="m"))
+    >>> gridded.read(), gridded.dx
+    (array([[ 0., 20., 40.]]), 2.0)
     """
-    points = channel.points
-    if points is None:
+    if channel.points is None:
         return channel, request, []
+    x, y, z, uneven = channel.points
     if request.resample is None:
         way_out = "give resample = linear (table of surfaces or argument) to interpolate to an even grid"
         elsewhere = "interpolate and export it with the instrument's software"
-        raise InputFileError(f"{points.uneven}; {way_out}, or {elsewhere}", keys=["resample"])
-    steps = given_step("dx", request), given_step("dy", request)
+        raise InputFileError(f"{uneven}; {way_out}, or {elsewhere}", keys=["resample"])
+    positions = [x] if y is None else [x, y]
+    steps = [given_step("dx", request), given_step("dy", request)]
     if any(steps):  # positions and steps in `unit`
         if request.unit is None and not is_length(channel.lateral_unit):
             raise InputFileError("the file does not say the unit of its positions; give unit", keys=["unit"])
         unit = request.unit or "m"
         factor = metres(channel.lateral_unit) / metres(unit) if is_length(channel.lateral_unit) else 1.0
-        y = None if points.y is None else points.y * factor
-        points = points._replace(x=points.x * factor, y=y)
-        dx, dy = (step and step / metres(unit) for step in steps)
-        steps, channel = (dx, dy), replace(channel, lateral_unit=unit)
-    grid_channel, description = resampled(channel, points, steps)
-    return grid_channel, replace(request, dx=None, dy=None), [description]
-
-
-def resampled(
-    channel: Channel, points: Points, steps: tuple[float | None, float | None]
-) -> tuple[Channel, str]:
-    """Return a channel on an even grid of steps (dx, dy), in its units, and a sentence that says how.
-
-    Heights are linear within the triangles of Delaunay (1934, Bulletin de l'Académie des Sciences de l'URSS
-    6, 793), of a profile between neighbours; none outside, or further than two steps from any point. A step
-    of None is sqrt(area / number), the same along x and y.
-
-    Examples
-    --------
-    >>> x = np.array([0.0, 1.0, 3.0, 4.0])
-    >>> points = Points(x, None, 10 * x, "the positions along x are not evenly spaced")
-    >>> trace = Channel("height", (1, 4), lambda: None, points=points)
-    >>> gridded, done = resampled(trace, points, (2.0, None))
-    >>> gridded.read(), gridded.dx
-    (array([[ 0., 20., 40.]]), 2.0)
-    """
-    x, y, z, uneven = points
-    positions = [x] if y is None else [x, y]
+        positions = [coords * factor for coords in positions]
+        steps = [step and step / metres(unit) for step in steps]
+        channel = replace(channel, lateral_unit=unit)
     if z.size < 2 + len(positions):
         raise HeightMapError(f"{z.size} points are too few to be resampled; measure again")
     along, heights = _interpolated(positions, z, steps)
     dx, dy = [*(float(axis[1] - axis[0]) for axis in along), None][:2]
     first_x, first_y = [*(float(axis[0]) for axis in along), None][:2]
-    grid_channel = replace(channel, shape=heights.shape, read=heights.copy, points=None)
-    grid_channel = replace(grid_channel, dx=dx, dy=dy, first_x=first_x, first_y=first_y)
+    channel = replace(channel, shape=heights.shape, read=heights.copy, points=None)
+    channel = replace(channel, dx=dx, dy=dy, first_x=first_x, first_y=first_y)
     size = " x ".join(str(axis.size) for axis in reversed(along))
     how = f"{z.size} points interpolated linearly to {size} on an even grid"
-    return grid_channel, f"{uneven}: resampled as asked, {how}, which lowers slopes and peak pressures"
+    note = f"{uneven}: resampled as asked, {how}, which lowers slopes and peak pressures"
+    return channel, replace(request, dx=None, dy=None), [note]
 
 
 def _interpolated(positions, z, steps):

@@ -33,9 +33,10 @@ def words(used_in: str) -> dict[str, list[str]]:
     return phrases_by_meaning
 
 
-def pattern(used_in: str, meaning: str) -> re.Pattern[str]:
-    """Return the pattern that takes any of the words of a meaning, in upper and lower case."""
-    return re.compile("|".join(words(used_in)[meaning]), re.IGNORECASE)
+def pattern(used_in: str, *meanings: str) -> re.Pattern[str]:
+    """Return the pattern that takes any of the words of some meanings, of all without one, in any case."""
+    phrases = (phrase for meaning in meanings or words(used_in) for phrase in words(used_in)[meaning])
+    return re.compile("|".join(phrases), re.IGNORECASE)
 
 
 @cache

@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import ARCHIVE_ERRORS, listed
+from roughcontact.io.guards import listed
 
 TIFF = (b"II*\0", b"MM\0*")
 ZIP = (b"PK\x03\x04",)
@@ -125,8 +125,5 @@ def list_sheets(path: Path) -> list[str]:
 
 def _entry_names(path: Path) -> list[str]:
     """Return the names of the files in an archive."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return [name for name in archive.namelist() if not name.endswith("/")]
-    except ARCHIVE_ERRORS:
-        return []
+    with zipfile.ZipFile(path) as archive:
+        return [name for name in archive.namelist() if not name.endswith("/")]

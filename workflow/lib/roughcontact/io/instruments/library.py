@@ -208,11 +208,9 @@ def _units(info: Any) -> tuple[str | None, str | None, str]:
 
 def _instrument(info: Any, file_format: Format, beyond: dict[str, Any]) -> dict:
     """Return vendor, name, serial number, lens, date and the like."""
-    metadata = {"vendor": file_format.vendor, **(info.info.get("instrument") or {})}
-    metadata |= {"kind": file_format.kind.name}
-    metadata |= {key: info.info.get(key) for key in ("acquisition_time", "comment")}
-    known_metadata = {key: value for key, value in metadata.items() if value is not None}
-    return instrument_metadata(beyond | known_metadata, info.info.get("raw_metadata"))
+    facts = {"vendor": file_format.vendor, **(info.info.get("instrument") or {})}
+    facts |= {key: info.info[key] for key in ("acquisition_time", "comment") if info.info.get(key)}
+    return instrument_metadata(beyond | facts | {"kind": file_format.kind.name}, _header(info))
 
 
 #: Makes a reader, by the way in which it recognises files.

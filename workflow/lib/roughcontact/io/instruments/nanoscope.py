@@ -6,30 +6,30 @@ there are.
 
 import io
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from roughcontact.arguments.quantities import number
 from roughcontact.errors import InputFileError
+from roughcontact.io.interface import read_head
 
 END = b"\\*File list end"
 _HEADER = 2**20  # bytes in which it ends
 
 
-def sections(header: bytes) -> list[dict[str, str]]:
-    r"""Return the sections of a header, each with its entries by lower-case names, and its ``name``.
+def sections(header: bytes) -> Iterator[dict[str, str]]:
+    r"""Yield the sections of a header, each with its entries by lower-case names, and its ``name``.
 
     Examples
     --------
-    >>> sections(b"\\*Ciao scan list\r\n\\Samps/line: 512\r\n\\*File list end")
+    >>> [*sections(b"\\*Ciao scan list\r\n\\Samps/line: 512\r\n\\*File list end")]
     [{'name': 'ciao scan list', 'samps/line': '512'}]
     """
-    parsed_fields = []
     for body in header.partition(END)[0].decode("latin-1").split("\\*")[1:]:
         entries = re.findall(r"^\\([^:\r\n]+): ?(.*)$", body, re.MULTILINE)
         name = body.partition("\n")[0].strip().lower()
-        parsed_fields.append({"name": name} | {key.lower(): value.strip() for key, value in entries})
-    return parsed_fields
+        yield {"name": name} | {key.lower(): value.strip() for key, value in entries}
 
 
 def with_micro_signs(path: Path) -> str | io.BytesIO:
@@ -46,8 +46,7 @@ def corrected(channels: list[Any], path: Path) -> list[str]:
     """
     from SurfaceTopography.IO.Reader import ChannelInfo
 
-    with path.open("rb") as stream:
-        scan = next((section for section in sections(stream.read(_HEADER)) if "lines" in section), {})
+    scan = next((section for section in sections(read_head(path, _HEADER)) if "lines" in section), {})
     notes = []
     for index, info in enumerate(channels):
         image = info.info["raw_metadata"]

@@ -10,7 +10,7 @@ from pathlib import Path
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import MeasuredFile, picture, stored_floats
 from roughcontact.io.guards import refusing
-from roughcontact.io.interface import Reader, RecognisedBy, begins_with
+from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
 
 _MARK = b"Gwyddion Simple Field 1.0\n"
 _MAX_HEADER_BYTES = 2**20  # bytes of the header
@@ -18,8 +18,7 @@ _MAX_HEADER_BYTES = 2**20  # bytes of the header
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one map; lengths and units that the header omits stay unknown."""
-    with path.open("rb") as stream:
-        text, zero, _ = stream.read(_MAX_HEADER_BYTES).partition(b"\0")
+    text, zero, _ = read_head(path, _MAX_HEADER_BYTES).partition(b"\0")
     lines = text.removeprefix(_MARK).decode("utf-8", "replace").splitlines()
     entries = (line.partition("=") for line in lines)
     statements = {key.strip(): value.strip() for key, _, value in entries}

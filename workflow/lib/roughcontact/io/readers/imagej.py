@@ -13,7 +13,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, stated_length
-from roughcontact.io.guards import check_points, refuse_more, refusing
+from roughcontact.io.guards import refuse_more, refusing
 from roughcontact.io.instruments.containers import TIFF, check_tiff, tiff_end, tiff_tags
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.units import is_length
@@ -49,7 +49,6 @@ def read(path: Path) -> MeasuredFile:
             image.seek(number)
             if image.mode not in _MODES:
                 raise InputFileError(f"a picture of ImageJ ({image.mode}), whose shades are no heights")
-            check_points(image.size[::-1])
             name = f"page {number + 1}" if image.n_frames > 1 else "height"
             values = partial(_read, path, number, line if function == _STRAIGHT_LINE else None)
             channel = Channel(name, image.size[::-1], values, height_unit, lateral_unit=lateral_unit)

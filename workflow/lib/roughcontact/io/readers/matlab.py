@@ -32,7 +32,7 @@ def read(path: Path) -> MeasuredFile:
     from scipy.io import whosmat
 
     with refusing("damaged or cut off MATLAB file"):
-        ranges = _places(path)
+        ranges = [*_places(path)]
         variables = whosmat(str(path))
     channels = counted_channels(
         channel
@@ -79,13 +79,12 @@ def _read(load: Callable[[], np.ndarray], shape: tuple[int, int], index: int | N
     return as_heights((values if index is None else values[:, :, index]).reshape(shape))
 
 
-def _places(path: Path) -> list[slice]:
-    """Return the bytes of each variable of a file.
+def _places(path: Path) -> Iterator[slice]:
+    """Yield the bytes of each variable of a file.
 
     A file that was cut off, or whose variables, unpacked piece by piece, are more than 1 GiB, is refused.
     """
     total, size = 0, path.stat().st_size
-    ranges = []
     with path.open("rb") as stream:
         order: Literal["little", "big"] = "little" if stream.read(_HEADER_BYTES)[126:128] == b"IM" else "big"
         while len(tag := stream.read(8)) == 8:
@@ -93,9 +92,10 @@ def _places(path: Path) -> list[slice]:
             if data_type not in (_MATRIX, _COMPRESSED):
                 wrong = f"no variable begins {stream.tell() - 8} bytes from its beginning"
                 raise InputFileError(f"{_DAMAGED}: {wrong}, where the one before ends; {_AGAIN}")
-            ranges.append(slice(stream.tell() - 8, stream.tell() + count))
-            if ranges[-1].stop > size:
+            byte_range = slice(stream.tell() - 8, stream.tell() + count)
+            if byte_range.stop > size:
                 raise InputFileError("the last variable of this MATLAB file is not whole: it was cut off")
+            yield byte_range
             if data_type != _COMPRESSED:
                 stream.seek(count, 1)
                 continue
@@ -107,7 +107,6 @@ def _places(path: Path) -> list[slice]:
                 refuse_more(f"its variables unpack to {total} bytes", total, MAX_UNPACKED_BYTES)
         if tag:
             raise InputFileError(f"{_DAMAGED}: {len(tag)} bytes follow its last variable; {_AGAIN}")
-    return ranges
 
 
 READER = Reader(RecognisedBy.MARK, begins_with(_MARK), read)

@@ -13,17 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import (
-    NO_TOPOGRAPHY,
-    Channel,
-    MeasuredFile,
-    counted_channels,
-    picture,
-    stored_floats,
-)
+from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, picture, stored_floats
 from roughcontact.io.guards import refusing
 from roughcontact.io.instrument_kinds import PROBE
-from roughcontact.io.interface import Reader, RecognisedBy, begins_with
+from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
@@ -37,14 +30,13 @@ _DIRECTIONS = {"both": ("forward", "backward"), "forward": ("forward",), "backwa
 
 def read(path: Path) -> MeasuredFile:
     """Open a file; each image is a channel."""
-    with path.open("rb") as stream:
-        text, _, behind = stream.read(_MAX_HEADER_BYTES).partition(_END)
+    text, _, behind = read_head(path, _MAX_HEADER_BYTES).partition(_END)
     if _START not in behind:
         raise InputFileError("the header of this Nanonis file has no end: it was cut off")
     start = len(text) + len(_END) + behind.index(_START) + len(_START)
     entries = dict(_ENTRY.findall(text.decode("latin-1")))
     with refusing("looks like Nanonis SXM, but its header is damaged"):
-        channels = counted_channels(_channels(entries, start, path))
+        channels = [*_channels(entries, start, path)]
         first_row = {"down": "top", "up": "bottom"}[entries["SCAN_DIR"].strip()]
         acquired_at = f"{entries.get('REC_DATE', '').strip()} {entries.get('REC_TIME', '').strip()}".strip()
     size = start + sum(4 * channel.shape[0] * channel.shape[1] for channel in channels)

@@ -15,15 +15,8 @@ import numpy as np
 from roughcontact.arguments.measurement import json_attribute, map_attributes
 from roughcontact.errors import InputFileError
 from roughcontact.io import classic, hdf5
-from roughcontact.io.channels import (
-    Channel,
-    MeasuredFile,
-    as_heights,
-    counted_channels,
-    oversized,
-    unreadable,
-)
-from roughcontact.io.guards import MAX_POINTS, refuse_more, refusing
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, oversized, unreadable
+from roughcontact.io.guards import MAX_POINTS, check_count, refuse_more, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.positions import channel_on_grid
@@ -54,7 +47,7 @@ def read(path: Path) -> MeasuredFile:
         too_long = _oversized_variables(path)
         dataset = xr.open_dataset(path, engine="netcdf4", drop_variables=list(too_long), **options)
         after_failure.enter_context(dataset)
-        channels = counted_channels(_channels(dataset))
+        channels = [*_channels(dataset)]
         instrument = _instrument(dataset)
         names = sorted(map(str, dataset.variables))
         after_failure.pop_all()
@@ -68,13 +61,14 @@ def read(path: Path) -> MeasuredFile:
 
 def _channels(dataset: Any) -> Iterator[Channel]:
     """Yield the channels of all variables, while the points that this reads are not too many in all."""
-    total = 0
+    total = count = 0
     for name in dataset.data_vars:
         for axes, selection in _maps(dataset.variables[name]):
             yield (channel := _variable(dataset, name, axes, selection))
             sizes = [dataset.variables[name].sizes[axis] for axis in axes if axis]
             total += sum(sizes) + (prod(sizes) if channel.points else 0)  # positions, and uneven maps
             refuse_more(f"maps with {total} positions", total, MAX_POINTS, "save the map alone")
+            check_count(count := count + 1)
 
 
 def _instrument(dataset: Any) -> dict[str, Any]:
@@ -123,8 +117,6 @@ def _variable(dataset: Any, name: Any, dims: tuple[str | None, str], selection: 
     label = str(name) + "".join(f"[{axis}={selection[axis]}]" for axis in counts)
     y, x = dims
     shape = variable.sizes[y] if y else 1, variable.sizes[x]
-    if prod(shape) > MAX_POINTS:
-        return oversized(label, shape)
     units = {axis: unit_of(dataset.variables[axis].attrs) for axis in (x, y) if axis in dataset.coords}
     unit_x, unit_y = units.get(x), units.get(y)
     if unit_x and unit_y and not same_length(unit_x, unit_y):

@@ -184,7 +184,6 @@ def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
     if not all(has_heading[1:]) and (has_heading[0] or not texts[0].rows.filled):
         number, _ = texts[has_heading.index(False, 1)].rows.start
         raise InputFileError(f"{_second_table(number)}, or give each a heading of its own")
-    channels = []
     for number, (file, title) in enumerate(zip(files, titles, strict=True), start=1):
         for channel in file.channels:
             label = "" if len(file.channels) == 1 else f", {channel.name}"
@@ -192,9 +191,8 @@ def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
             channel.notes = file.warnings + channel.notes
             if file.first_row != files[0].first_row:
                 channel.first_row = file.first_row
-            channels.append(channel)
-    file = replace(files[0], channels=channels, warnings=[])
-    profiles = [channel for channel in channels if channel.is_line and not channel.no_height]
+    file = replace(files[0], channels=[channel for each in files for channel in each.channels], warnings=[])
+    profiles = [channel for channel in file.channels if channel.is_line and not channel.no_height]
     if file.question or len(profiles) > 1 or not any(titles):
         starts = [text.rows.start for text in texts[1:4] if text.rows.start[0] < text.rows.lines[0]]
         headings = "; ".join(f"{line.strip()[:30]!r} at line {number}" for number, line in starts)

@@ -10,19 +10,17 @@ from pathlib import Path
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import MeasuredFile, picture, stored_floats
-from roughcontact.io.interface import Reader, RecognisedBy, begins_with
+from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
 from roughcontact.io.metadata import instrument_metadata
 
 _MARK = b"Binary TrueMap Data File"
 _VERSION = b"v2.0"
 _HEADER = struct.Struct("<2I4f")
-_MAX_HEADER_BYTES = 4096  # bytes
 
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one map; other versions are refused."""
-    with path.open("rb") as stream:
-        mark, *fields = stream.read(_MAX_HEADER_BYTES).split(b"\0", 2)
+    mark, *fields = read_head(path).split(b"\0", 2)
     if len(fields) < 2 or not mark.removeprefix(_MARK).strip().startswith(_VERSION):
         wrong = "looks like TrueMap TMD, but is damaged or of another version than 2.0"
         raise InputFileError(f"{wrong}; export the map again, as X3P or SDF where the software can")

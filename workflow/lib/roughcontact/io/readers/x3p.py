@@ -4,6 +4,7 @@ import hashlib
 import io
 import re
 import zipfile
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -17,6 +18,9 @@ from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.positions import channel_on_grid, scattered
 
+# key of `roughcontact.io.metadata` -> name in x3pio
+_INSTRUMENT = {"vendor": "manufacturer", "name": "model", "serial": "serial", "software": "version"}
+_MEASUREMENT = {"acquisition_time": "date", "calibration_time": "calibration_date", "comment": "comment"}
 _INSTRUMENT_KINDS = {"NonContacting": instrument_kinds.OPTICAL, "Contacting": instrument_kinds.STYLUS}
 
 
@@ -42,7 +46,7 @@ def read(path: Path) -> MeasuredFile:
             file, stale = x3pio.read(_normalised_archive(path, name, main)), ""
         except x3pio.X3pChecksumError as error:
             file, stale = x3pio.read(_normalised_archive(path, name, main), verify=False), brief(error)
-    channels = _channels(file, main)
+    channels = [*_channels(file, main)]
     for channel in channels:
         channel.notes += _rotation_notes(file.placement)
     # <Origin>NW</Origin>, as x3ptools writes it; by a negative increment the lines are in rising order now
@@ -102,25 +106,24 @@ def _md5(content: bytes) -> bytes:
     return hashlib.md5(content, usedforsecurity=False).hexdigest().encode()
 
 
-def _channels(file: Any, main: bytes) -> list[Channel]:
-    """Return the layers of a file."""
+def _channels(file: Any, main: bytes) -> Iterator[Channel]:
+    """Yield the layers of a file."""
     import x3pio
 
     if isinstance(file, x3pio.PointCloud):
         cloud: Any = file.layer
         uneven = "this X3P file holds a point cloud, not a map"
         channel = Channel("height", (1, 1), unreadable(uneven), "m", lateral_unit="m")
-        return [scattered(channel, cloud.x, cloud.y, cloud.z, uneven)]
+        yield scattered(channel, cloud.x, cloud.y, cloud.z, uneven)
+        return
     count = len(file.layers)
     names = [f"layer {number}" for number in range(1, count + 1)] if count > 1 else ["height"]
-    channels = []
     for layer, name in zip(file.layers, names, strict=True):
         z = np.atleast_2d(layer.z)
         channel = Channel(name, z.shape, partial(as_heights, z), "m", lateral_unit="m")
         x, y = (_positions(file, main, layer, axis) for axis in "xy")
         # a negative increment counts the columns or rows backwards
-        channels.append(channel_on_grid(channel, x, y if z.shape[0] > 1 else None))
-    return channels
+        yield channel_on_grid(channel, x, y if z.shape[0] > 1 else None)
 
 
 def _positions(file: Any, main: bytes, layer: Any, axis: str) -> np.ndarray | float | None:
@@ -146,20 +149,12 @@ def _instrument(metadata: Any) -> dict:
     """Return the instrument metadata."""
     if metadata is None:
         return {}
-    instrument, probe = metadata.instrument, metadata.probing_system
+    probe = metadata.probing_system
     kind = _INSTRUMENT_KINDS.get(str(getattr(probe, "type", "")))
-    facts = {
-        "kind": kind and kind.name,
-        "vendor": instrument and instrument.manufacturer,
-        "name": instrument and instrument.model,
-        "serial": instrument and instrument.serial,
-        "software": instrument and instrument.version,
-        "lens" if kind is instrument_kinds.OPTICAL else "probe": probe and probe.identification,
-        "acquisition_time": metadata.date,
-        "calibration_time": metadata.calibration_date,
-        "comment": metadata.comment,
-    }
-    return instrument_metadata(facts)
+    facts = {key: getattr(metadata.instrument, name, None) for key, name in _INSTRUMENT.items()}
+    facts |= {key: getattr(metadata, name) for key, name in _MEASUREMENT.items()}
+    facts["lens" if kind is instrument_kinds.OPTICAL else "probe"] = getattr(probe, "identification", None)
+    return instrument_metadata(facts | {"kind": kind and kind.name})
 
 
 READER = Reader(RecognisedBy.CONTENTS, recognises, read)

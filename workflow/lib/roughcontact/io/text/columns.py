@@ -5,11 +5,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.text.header import statements
+from roughcontact.io.text.header import MAX_LINE_LENGTH, statements
 from roughcontact.io.units import is_length, same_length
 from roughcontact.io.vocabulary import meanings, pattern, words
 
-_MAX_LINE_LENGTH = 4096  # characters of a line of headings
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
 _ENTRY = re.compile(r"[^\W\d][.)\]]?\s*[:=]\s*[-+.]?\d")  # a number behind a word: no heading
 # as a whole cell, or behind a separator that is not the table's
@@ -18,8 +17,8 @@ _VALUE_BEHIND = re.compile(r"[^\W\d];\s*[-+.]?\d")
 # before the names
 _LABEL = re.compile(r"(?i)(?:columns?|fields|formats?|spalten|colonn[ei]s?|columnas)\b\s*[:=]?\s+(?!\d)")
 # above a matrix, as ``Height (nm)``, ``z/nm``
-_HEADING = re.compile(rf"[^:=\d]{{1,{_MAX_LINE_LENGTH - 1}}}(?:[)\]]|/\s*[^\W\d]+)")
-_WIDE_TABLE = 8  # columns; so many with one heading are the columns of a map
+_HEADING = re.compile(rf"[^:=\d]{{1,{MAX_LINE_LENGTH - 1}}}(?:[)\]]|/\s*[^\W\d]+)")
+WIDE_TABLE = 8  # columns; so many with one heading are the columns of a map
 
 # heading -> role of its column
 _ROLE = meanings("column") | dict.fromkeys(words("header")["height"] + words("part")["height"], "z")
@@ -106,7 +105,7 @@ def miscounted(line: str, count: int, delimiter: str | None) -> int:
     """
     has_delimiter = delimiter is not None and delimiter in line
     only_units = statements([line]).keys() & {"lateral_unit", "height_unit"}
-    if len(line) > _MAX_LINE_LENGTH or re.search(r"\d[.,]\d", line) or only_units:
+    if len(line) > MAX_LINE_LENGTH or re.search(r"\d[.,]\d", line) or only_units:
         return 0
     for width in sorted({*map(_filled, _divided(line, delimiter))} - {0, 1}):
         columns = [_column(cell) for cell in _cells(line, width, delimiter)]
@@ -139,7 +138,7 @@ def layout(columns: Sequence[Column]) -> list[list[int]]:
         return [[*x, *y, index] for index in data if index not in x + y]
     if len(x) > 1 and x == data[::2] and y in ([], data[1::2]) and len(data) == 2 * len(x):  # pairs x, z
         return [[*pair] for pair in zip(x, data[1::2], strict=True)]
-    if data and all(columns[index].role == "z" for index in data) and len(data) < _WIDE_TABLE:
+    if data and all(columns[index].role == "z" for index in data) and len(data) < WIDE_TABLE:
         return [[index] for index in data]
     if len(data) == 3 and columns[data[-1]].role != "z" and any(columns[index].name for index in data):
         return []
@@ -151,7 +150,7 @@ def are_map_columns(columns: Sequence[Column]) -> bool:
     """Return whether headings are those of the columns of a map: many, and equal but for numbers."""
     headings = [column for column in columns if column.name and column.role != "index"]  # R numbers its rows
     distinct_headings = {(re.sub(r"[\W\d_]", "", column.name), column.unit) for column in headings}
-    return len(distinct_headings) == 1 and len(columns) >= _WIDE_TABLE
+    return len(distinct_headings) == 1 and len(columns) >= WIDE_TABLE
 
 
 def unit_of_heights(line: str) -> str | None:
@@ -172,7 +171,7 @@ def _divided(line: str, delimiter: str | None) -> list[list[str]]:
     """Return the ways to divide a line of headings into cells, the strictest first."""
     text = line.strip(" \r\n").lstrip("#%/*").strip(" " if delimiter == "\t" else None)
     text = _LABEL.sub("", text)
-    if len(text) > _MAX_LINE_LENGTH or not text:
+    if len(text) > MAX_LINE_LENGTH or not text:
         return []
     if delimiter is not None and delimiter in text:
         cells = text.split(delimiter)

@@ -14,7 +14,7 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import meanings, pattern, words
 
-_MAX_LINE_LENGTH = 4096  # characters; longer lines contain no metadata
+MAX_LINE_LENGTH = 4096  # characters; longer lines contain no metadata
 _MAX_LINES = 10_000  # lines
 
 _INSTRUMENT = ("name", "serial", "lens", "acquisition_time")  # keys of `roughcontact.io.metadata`
@@ -76,7 +76,7 @@ _SECTION = re.compile(
     r"(?i)\[?(?:(?:axis|achse|axe|asse|eje)\s*[:=]?\s*([xyz])|([xyz])[ -]?(?:axis|achse))\]?:?"
 )
 _FORTRAN = re.compile(r"(\d\.\d*)[dD]([-+]\d\d)(?!\w)")  # double precision, 1.5D-03
-_CAMERA = pattern("aside", "camera")
+_CAMERA, _ASIDES = pattern("aside", "camera"), pattern("aside")  # all words that may concern the map
 _HEIGHT_WORDS = "|".join(words("header")["height"] + words("part")["height"])
 _HEIGHT_WORD = re.compile(rf"\W*(?:{_HEIGHT_WORDS})\b", re.IGNORECASE)
 LONGEST_QUOTE = 60  # characters of a line that a message shows
@@ -151,7 +151,7 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
             text = f"{key[0]} {section}{text[key.end() :]}"
         if len(text) > _MAX_PHRASE:
             text = re.sub(r"(\s)\s+", r"\1", text)
-        if not text or len(line) > _MAX_LINE_LENGTH or _CAMERA.search(text):
+        if not text or len(line) > MAX_LINE_LENGTH or _CAMERA.search(text):
             continue
         text = re.sub(r"\b(?:d?x\s*=\s*d?y)\s*(?==)", "step ", text)  # "dx = dy = 2 µm"
         text = _FORTRAN.sub(r"\1e\2", text)
@@ -175,13 +175,7 @@ def statements(lines: Iterable[str], *, start: int = 1, sign: str = "") -> State
 def _is_prose(text: str) -> bool:
     """Return whether a piece has neither a number, a unit of length, nor a word that may concern the map."""
     tokens = {*re.findall(r"\w+", text)} - {"in"}
-    return not (re.search(r"\d", text) or any(map(is_length, tokens)) or _asides().search(text))
-
-
-@cache
-def _asides() -> re.Pattern[str]:
-    """Return the pattern of all words that may concern the map."""
-    return re.compile("|".join(chain(*words("aside").values())), re.IGNORECASE)
+    return not (re.search(r"\d", text) or any(map(is_length, tokens)) or _ASIDES.search(text))
 
 
 def _parsed(text: str, sign: str, *, alone: bool = True) -> Entries:
@@ -508,8 +502,7 @@ def _parse_numbers(meaning: str, match: re.Match[str], unit: str, sign: str) -> 
         meaning, value_unit = _PIXELS[meaning], ""
     if meaning in _COUNTS and number % 1:
         return
-    bare_size = meaning == "size" and not is_length(value_unit)
-    unclear = bare_size or meaning in ("per_pixel", "-")
+    unclear = meaning in ("per_pixel", "-") or (meaning == "size" and not is_length(value_unit))
     if unclear or (meaning in LENGTHS and _RANGE.match(suffix)):
         return
     yield meaning, Statement(number, value_unit, rounding)
@@ -527,10 +520,8 @@ def number_and_rounding(text: str, sign: str) -> tuple[float, float]:
     mantissa, _, exponent = text.lower().partition("e")
     marks = [mark for mark in mantissa if mark in ".,"]
     decimal = marks[-1] if marks and marks.count(marks[-1]) == 1 else ""
-    if decimal and len(marks) == 1 and decimal != (sign or "."):
-        if re.fullmatch(r"[-+]?[1-9]\d{0,2}[.,]\d{3}", mantissa):
-            return math.nan, 0.0
-    elif len(marks) > 1 and not re.fullmatch(r"[-+]?\d{1,3}([.,]\d{3})+([.,]\d*)?", mantissa):
+    is_open = marks != [sign or "."] and re.fullmatch(r"[-+]?[1-9]\d{0,2}[.,]\d{3}", mantissa)
+    if is_open or (len(marks) > 1 and not re.fullmatch(r"[-+]?\d{1,3}([.,]\d{3})+([.,]\d*)?", mantissa)):
         return math.nan, 0.0
     integer_part, _, decimals = mantissa.partition(decimal) if decimal else (mantissa, "", "")
     digits = re.sub("[.,]", "", integer_part) + "." + decimals

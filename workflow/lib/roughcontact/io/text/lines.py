@@ -7,6 +7,7 @@ from pathlib import Path
 
 from roughcontact.arguments.units import spellings
 from roughcontact.errors import InputFileError
+from roughcontact.io.guards import refusing
 from roughcontact.io.vocabulary import words
 
 _BYTE_ORDER_MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
@@ -65,10 +66,8 @@ def _decode(data: bytes) -> str:
         raise InputFileError(f"{len(data)} bytes of text; convert the map to X3P, SDF or netCDF")
     for mark, encoding in _BYTE_ORDER_MARKS.items():
         if data.startswith(mark):
-            try:
+            with refusing(f"damaged {encoding} text"):
                 return data.decode(encoding)
-            except UnicodeDecodeError as error:
-                raise InputFileError(f"damaged {encoding} text ({error})") from error
     if (code := _unmarked_utf16(data[:4096])) and len(data) % 2 == 0:
         return data.decode(code, "replace")
     if b"\0" in data:

@@ -15,7 +15,7 @@ import numpy as np
 from roughcontact.arguments.quantities import counted_noun
 from roughcontact.errors import InputFileError
 from roughcontact.io.guards import brief, check_count, check_points
-from roughcontact.io.text.columns import is_heading
+from roughcontact.io.text.columns import WIDE_TABLE, is_heading
 from roughcontact.io.text.header import LENGTHS, Stated, statements
 from roughcontact.io.units import is_length
 from roughcontact.io.vocabulary import meanings, words
@@ -38,7 +38,6 @@ _DATE = re.compile(
 _DAY = re.compile(r"(?:19|20)\d\d(?:0[1-9]|1[0-2])(?:0[1-9]|[12]\d|3[01])")  # a date of digits alone
 _MAX_HEADER_LINES = 10_000  # without empty lines
 _MAX_PREFIX = 2**16  # characters of a line that decide whether it contains numbers
-_WIDE_TABLE = 8  # columns; the headings of so many differ from one another
 _MAX_CELL = 64  # characters of a cell, on the average
 _PLAIN = re.compile(r'[-+\d.,;\s"eEdD]*\Z')  # of a row without words
 _ENDS = meanings("end")
@@ -576,14 +575,14 @@ def word_in_row(line: str, width: int, dialect: Dialect) -> str | None:
         cells.pop()
     comment = bool(cells[0]) and cells[0][0] in COMMENT_SIGNS
     # in a wide table a lost separator or a blank in a word makes one cell fewer or more
-    if abs(len(cells) - width) > (width >= _WIDE_TABLE and not comment) or (comment and len(cells[0]) > 1):
+    if abs(len(cells) - width) > (width >= WIDE_TABLE and not comment) or (comment and len(cells[0]) > 1):
         return None
     values = [*map(dialect.number, cells)]
     non_numbers = [cell for cell, value in zip(cells, values, strict=True) if value is None]
     numbers = sum(bool(cell) for cell in cells) - len(non_numbers)
     if non_numbers and _are_finite(values).any() and 2 * numbers > len(cells):
         return non_numbers[0]
-    is_marker = len(set(non_numbers)) == 1 < len(non_numbers) and len(cells) == width >= _WIDE_TABLE
+    is_marker = len(set(non_numbers)) == 1 < len(non_numbers) and len(cells) == width >= WIDE_TABLE
     if is_marker and any(map(str.isalnum, non_numbers[0])) and not is_heading(non_numbers[0]):
         return non_numbers[0]
     return None
