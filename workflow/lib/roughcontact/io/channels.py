@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from math import prod
 from pathlib import Path
@@ -102,28 +102,20 @@ class MeasuredFile:
         return instrument_kinds.of_name(self.instrument.get("kind"))
 
 
-def picture(
-    name: str,
-    shape: tuple[int, int],
-    read: Callable[[], np.ndarray],
-    height_unit: str | None,
-    field: Iterable[float | None],
-    lateral_unit: str | None,
-    **attributes: Any,
-) -> Channel:
-    """Return the channel of a map (ny, nx) on a field (along x, y; None: unknown); impossible: refused.
+def on_field(channel: Channel, field: Iterable[float | None], lateral_unit: str | None) -> Channel:
+    """Return a channel with its steps on a field (along x, y; None: unknown); impossible: refused.
 
     Examples
     --------
-    >>> picture("height", (2, 4), lambda: None, "nm", (8.0, None), "um").dx
+    >>> on_field(Channel("height", (2, 4), lambda: None), (8.0, None), "um").dx
     2.0
     """
-    sides = [*field]
+    sides, shape = [*field], channel.shape
     if min(shape) < 1 or any(side is not None and not 0 < side < np.inf for side in sides):
         lengths = " x ".join("?" if side is None else f"{side:g}" for side in sides)
         raise InputFileError(f"its header is damaged: {shape[0]} x {shape[1]} points on {lengths} are no map")
     dx, dy = (side and side / count for side, count in zip(sides, shape[::-1], strict=True))
-    return Channel(name, shape, read, height_unit or None, dx, dy, lateral_unit or None, **attributes)
+    return replace(channel, dx=dx, dy=dy, lateral_unit=lateral_unit or None)
 
 
 def stated_length(value: Any) -> float | None:
@@ -138,13 +130,11 @@ def counted_channels(channels: Iterable[Channel]) -> list[Channel]:
     return counted
 
 
-def choose_channel(
-    file: MeasuredFile, choice: str | None, *, unit_given: bool = False
-) -> tuple[Channel, str]:
+def choose_channel(file: MeasuredFile, choice: str | None, *, has_unit: bool = False) -> tuple[Channel, str]:
     """Return the channel of that name, else the first that holds heights, and a sentence on the choice.
 
-    A height channel has a length unit, and no amplitude, phase, error or the like by name; a unit that the
-    user gives makes the values of an only channel heights.
+    A height channel has a length unit, and no amplitude, phase, error or the like by name; where the
+    user gives a unit (`has_unit`), the values of an only channel are heights.
 
     Examples
     --------
@@ -172,7 +162,7 @@ def choose_channel(
         way_out = f"name one with channel (table of surfaces or argument), of {listing}"
         repeats = "or all, in a row each, as repeats of one part of a group"
         raise InputFileError(f"{file.question}; {way_out}; {repeats}{together}", keys=["channel"])
-    is_height = unit_given and len(names) == 1
+    is_height = has_unit and len(names) == 1
     heights = [channel for channel in file.channels if is_height or not channel.no_height]
     if not heights:
         reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in file.channels)
@@ -216,7 +206,7 @@ def as_heights(values: ArrayLike) -> np.ndarray:
         raise InputFileError(f"values of type {plain.dtype}, not real numbers; store heights as float64")
     with np.errstate(all="ignore"):  # a NaN of single precision may be a signalling one
         heights = np.array(plain, dtype=float, ndmin=2)
-    heights[np.atleast_2d(np.ma.getmaskarray(values)) | ~np.isfinite(heights)] = np.nan
+    heights[np.atleast_2d(np.ma.getmaskarray(np.ma.asarray(values))) | ~np.isfinite(heights)] = np.nan
     if np.nanmax(np.abs(heights), initial=0.0) > MIN_MARKER:
         for marker in _MARKERS:
             heights[np.abs(np.abs(heights) / marker - 1) < 1e-5] = np.nan

@@ -47,7 +47,7 @@ class Converted:
 
 def convert(file: MeasuredFile, request: Request) -> Converted:
     """Return the map of a file that the user asks for, in metres."""
-    channel, choice = choose_channel(file, request.channel, unit_given=request.height_unit is not None)
+    channel, choice = choose_channel(file, request.channel, has_unit=request.height_unit is not None)
     notes = file.warnings + channel.notes + _checksum_notes(file, request)
     if channel.no_height:
         notes.append(f"channel {channel.name!r} is read as heights on request ({channel.no_height})")

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from contextlib import closing
-from math import prod
 from pathlib import Path
 
 import numpy as np
@@ -134,12 +133,12 @@ def _descriptions(channels: list[Channel], path: Path, *, chosen: str | None) ->
     """
     total = 0
     for channel in channels:
-        (ny, nx), points = channel.shape, prod(channel.shape)
-        total += points
+        ny, nx = channel.shape
+        total += ny * nx
         properties = {"name": channel.name, "ny": ny, "nx": nx}
         properties |= {key: getattr(channel, key) for key in ("dx", "dy", "lateral_unit", "height_unit")}
         properties |= {"is_height": not channel.no_height, "reason": channel.no_height}
-        is_read = (points <= _LARGE and total <= MAX_POINTS) or channel.name == chosen
+        is_read = (ny * nx <= _LARGE and total <= MAX_POINTS) or channel.name == chosen
         if is_read and not channel.no_height:
             try:
                 with naming(path):

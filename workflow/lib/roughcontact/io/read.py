@@ -125,10 +125,8 @@ def read_height_map(
         return _together(path, request, instrument)
     with naming(path):
         height = _read(path, request)
-    return height.assign_attrs(
-        **({} if request.lay is None else {"lay": request.lay}),
-        **Instrument(**{key: float(value) for key, value in (instrument or {}).items()}).attributes(),
-    )
+    facts = Instrument(**{key: float(value) for key, value in (instrument or {}).items()}).attributes()
+    return height.assign_attrs(facts if request.lay is None else {"lay": request.lay} | facts)
 
 
 def read_overview(path: str | Path, **arguments: Any) -> "xr.DataArray":

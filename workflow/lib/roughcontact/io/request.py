@@ -1,11 +1,8 @@
 """The user's arguments for a file, beside its path."""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, fields
-from functools import partial
+from dataclasses import asdict, dataclass
 from numbers import Real
-from typing import Any
 
 from roughcontact.arguments.checking import check_choice
 from roughcontact.arguments.choices import Checksum, FirstRow, Resampling
@@ -14,12 +11,7 @@ from roughcontact.io.vocabulary import rows_of
 
 #: Options of commands that say what is missing in a file -> what they are.
 FILE_OPTIONS = dict(rows_of("options.tsv"))
-_CHECKS: dict[str, Callable[[Any], object]] = {
-    "resample": partial(check_choice, "resample", choices=Resampling),
-    "checksum": partial(check_choice, "checksum", choices=Checksum),
-    "first_row": partial(check_choice, "first_row", choices=FirstRow),
-    "lay": check_lay,
-}
+_CHOICES = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow}
 
 
 @dataclass(frozen=True)
@@ -45,12 +37,14 @@ class Request:
     lay: str | None = None
 
     def __post_init__(self) -> None:
-        for field in fields(self):
+        for name, value in asdict(self).items():
             # an empty cell of the table of surfaces is no argument, as a CSV reader gives it: "" or NaN
-            if _is_empty(getattr(self, field.name)):
-                object.__setattr__(self, field.name, None)
-            elif field.name in _CHECKS:
-                _CHECKS[field.name](getattr(self, field.name))
+            if _is_empty(value):
+                object.__setattr__(self, name, None)
+            elif name in _CHOICES:
+                check_choice(name, value, choices=_CHOICES[name])
+            elif name == "lay":
+                check_lay(value)
 
     def has_steps(self, shape: tuple[int, int]) -> bool:
         """Return whether the user gives all steps of a map, or of a profile, of a shape (ny, nx)."""

@@ -213,9 +213,7 @@ def lines_not_used(
     extremes = [finite.min(), finite.max(), np.ptp(finite), 1.0] if finite.size else []
     sides = [dx, dy, nx * dx, ny * dy, (nx - 1) * dx, (ny - 1) * dy]
     lengths_used = [*sides, *(height_factor * height for height in extremes)]
-    step_sources = channel.sources.get("dx", "") + channel.sources.get("dy", "")
-    stated_above = "line" in step_sources and not request.has_steps(channel.shape)
-    has_positions = "positions" in channel.sources.values()
+    has_line = any("line" in channel.sources.get(key, "") for key in ("dx", "dy"))
     lateral_factor = metres(unit) if is_length(unit := channel.lateral_unit or request.unit) else None
     texts = {"dx": quantity(dx, "m"), "dy": quantity(dy, "m")}
     exempt, listing, notes = ignored_lines(request), [], []
@@ -228,51 +226,43 @@ def lines_not_used(
         if number in exempt:
             continue
         matters = _matters(text)
-        used = sides if "step" in matters else lengths_used
+        elsewhere, is_step, is_fraction = (matter in matters for matter in ("elsewhere", "step", "fraction"))
         with_number = [length for length in lengths if length.value == length.value]
-        strange = "elsewhere" not in matters and not all(length.agrees(used) for length in with_number)
-        strange_points = any({*map(int, pair)} != {nx, ny} for pair in _COUNTS.findall(text))
-        contradicts = stated_above and (strange or (strange_points and "elsewhere" not in matters))
+        used = sides if is_step else lengths_used
+        strange = not elsewhere and not all(length.agrees(used) for length in with_number)
+        odd_points = any({*map(int, pair)} != {nx, ny} for pair in _COUNTS.findall(text))
+        contradicts = has_line and not elsewhere and not request.has_steps(channel.shape) and (strange or odd_points)
         is_count = "points" in matters and not matters & {"marker", "elsewhere"}
-        number_of = _COUNT.search(text) if is_count else None  # in words that are not known
-        strange_count = number_of is not None and int(number_of[1]) not in (0, 1, nx, ny, nx * ny)
-        is_factor = "factor" in matters and values and values[-1] not in (0, 1)
+        # in words that are not known
+        strange_count = is_count and any(int(n) not in (0, 1, nx, ny, nx * ny) for n in _COUNT.findall(text))
+        is_factor = "factor" in matters and not {*values[-1:]} <= {0.0, 1.0}
+        is_scaled = "scaled" in matters and not {*values} <= {0.0, 1.0}
         is_limit = matters >= {"limit", "validity"} and "lateral" not in matters and "%" not in text
         limits = [length.value / height_factor for length in with_number] or values
         beyond_count = _count_beyond(finite, limits) if is_limit else 0
         marker = _number_alone(text)
-        may_be_marker = "marker" in matters or ("elsewhere" not in matters and marker in conspicuous)
+        may_be_marker = "marker" in matters or (not elsewhere and marker in conspicuous)
         marker_count = int(np.count_nonzero(finite == marker)) if may_be_marker else 0
         if is_limit and not beyond_count and not marker_count:
             continue
-        bare = {
-            metres(length.unit)
-            for length in lengths
-            if length.bare
-            and not length.agrees(lengths_used)
-            # the number of a lens, a filter ... is none of the map; a unit alone may be that of all numbers
-            and ("elsewhere" not in matters or length.value != length.value)
-        }
+        bare = [length for length in lengths if length.bare and not length.agrees(lengths_used)]
+        # the number of a lens, a filter ... is none of the map; a unit alone may be that of all numbers
+        factors = {metres(length.unit) for length in bare if not elsewhere or length.value != length.value}
         own_factor = lateral_factor if "lateral" in matters else height_factor
-        is_other = own_factor not in bare or not bare <= {lateral_factor, height_factor}
+        is_other = own_factor not in factors or not factors <= {lateral_factor, height_factor}
+        off_step = strange and is_step and "positions" in channel.sources.values()
         is_denied = _DENIED.search(text)
         # what the line may concern, as in the table of doubts
         applies = {
             "limit": beyond_count,
             "marker": marker_count > 1 or (marker_count and marker),
             "zero": marker_count,
-            "counts": is_integer
-            and (is_factor or "fraction" in matters or (strange and "step" not in matters)),
+            "counts": is_integer and (is_factor or is_fraction or (strange and not is_step)),
             "turned": not is_denied and ("turned" in matters or _NO_HEIGHTS.search(text)),
-            "step": contradicts and "step" in matters,
+            "step": contradicts and is_step,
             "pixels": not is_denied and "pixels" in matters and values != [1],
-            "size": contradicts
-            or (has_positions and strange and "step" in matters)
-            or strange_count
-            or (strange_points and is_count),
-            "unit": (bare and own_factor and is_other)
-            or ("fraction" in matters and lengths)
-            or ("scaled" in matters and not {*values} <= {0.0, 1.0}),
+            "size": contradicts or off_step or strange_count or (odd_points and is_count),
+            "unit": (factors and own_factor and is_other) or (is_fraction and lengths) or is_scaled,
         }
         # a line is quoted once
         if doubt := next((_DOUBTS[matter] for matter in _DOUBTS if applies[matter]), None):

@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -43,20 +42,12 @@ class Format(NamedTuple):
     kind: instrument_kinds.Kind  # of the instrument that writes it
     text: str  # `no`, `text`, `binary`
     vendor: str
-
-    @property
-    def rules(self) -> Rules:
-        """What the library does not know of the format."""
-        return RULES.get(self.name, Rules())
-
-    def has_mark(self, head: bytes) -> bool:
-        """Return whether a file that begins with `head` has the mark of this format."""
-        return head.startswith(self.marks, self.offset) and (self.text != "no" or not looks_like_text(head))
+    rules: Rules  # what the library does not know of the format
 
 
 FORMATS = [
-    Format(name, marks(listed), int(offset), getattr(instrument_kinds, kind), text, vendor)
-    for name, listed, offset, kind, text, vendor in rows_of("formats.tsv")
+    Format(key, marks(first), int(at), getattr(instrument_kinds, kind), text, vendor, RULES.get(key, Rules()))
+    for key, first, at, kind, text, vendor in rows_of("formats.tsv")
 ]
 
 
@@ -70,7 +61,8 @@ def marked(head: bytes) -> list[Format]:
     >>> marked(b"KPK0 is how this text begins")
     []
     """
-    return [format_ for format_ in FORMATS if format_.has_mark(head)]
+    kinds = ("text", "binary") if looks_like_text(head) else ("no", "text", "binary")
+    return [each for each in FORMATS if head.startswith(each.marks, each.offset) and each.text in kinds]
 
 
 def read_instrument(path: Path) -> MeasuredFile:
@@ -152,7 +144,7 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
     channels = [_channel(info, file_format) for info in infos]
     header = _header(infos[0])
     with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
-        expected_size = rules.size(data, header, prod(infos[0].nb_grid_pts))
+        expected_size = rules.size(data, header, int(np.prod(infos[0].nb_grid_pts)))
         stale, beyond = rules.contradiction(data, header), rules.instrument(data)
     instrument = _instrument(infos[0], file_format, beyond)
     return MeasuredFile(reader.name(), channels, "top", instrument, notes, stale, expected_size)

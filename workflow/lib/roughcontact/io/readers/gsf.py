@@ -4,11 +4,10 @@ After zero bytes up to the next multiple of four (one at least) the heights foll
 little-endian, NaN where not measured.
 """
 
-from functools import partial
 from pathlib import Path
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import MeasuredFile, picture, stored_floats
+from roughcontact.io.channels import Channel, MeasuredFile, on_field, stored_floats
 from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
 
@@ -27,10 +26,10 @@ def read(path: Path) -> MeasuredFile:
         lengths = [float(statements[key]) if key in statements else None for key in ("XReal", "YReal")]
     if not zero:
         raise InputFileError("looks like GSF, but its header is damaged or cut off")
-    start, (unit, lateral_unit) = len(text) + 4 - len(text) % 4, map(statements.get, ("ZUnits", "XYUnits"))
-    read_floats = partial(stored_floats, path, "<f4", (ny, nx), start)
-    name = statements.get("Title") or "height"
-    channel = picture(name, (ny, nx), read_floats, unit, lengths, lateral_unit)
+    shape, start = (ny, nx), len(text) + 4 - len(text) % 4
+    name, unit, unit_xy = map(statements.get, ("Title", "ZUnits", "XYUnits"))
+    channel = Channel(name or "height", shape, lambda: stored_floats(path, "<f4", shape, start), unit or None)
+    channel = on_field(channel, lengths, unit_xy)
     return MeasuredFile("Gwyddion Simple Field", [channel], "top", required_size=start + 4 * nx * ny)
 
 

@@ -8,14 +8,13 @@ from the top.
 import mmap
 import re
 import struct
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights, picture
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, on_field
 from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.metadata import instrument_metadata
@@ -53,8 +52,8 @@ def _channel(container: dict[str, Any], number: str) -> Channel:
     lateral_unit, unit = (image.get(key, {}).get("unitstr", "") for key in ("si_unit_xy", "si_unit_z"))
     name = str(container.get(f"{number}/data/title", f"image {number[1:]}"))
     notes = [] if mask is None else [_MASKED]
-    read_image = partial(as_heights, values)
-    return picture(name, shape, read_image, unit or "no unit", field, lateral_unit, notes=notes)
+    channel = Channel(name, shape, lambda: as_heights(values), unit or "no unit", notes=notes)
+    return on_field(channel, field, lateral_unit)
 
 
 def _object(data: mmap.mmap) -> dict[str, Any]:

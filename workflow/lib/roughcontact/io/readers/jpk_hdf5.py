@@ -14,7 +14,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import hdf5, instrument_kinds
-from roughcontact.io.channels import Channel, MeasuredFile, as_heights, picture
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, on_field
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
@@ -77,11 +77,12 @@ def _frames(group: Any, several: bool, path: Path) -> Iterator[Channel]:
     label = prefix + _stated(group, "channel.fancy-name", _stated(group, "channel.name", array.name))
     field = [float(grid[key]) or None for key in ("ulength", "vlength")]
     lateral_unit, frames = _stated(measurement, _GRID + "unit.unit", "m"), array.shape[1]
-    arguments: Any = {"no_height": no_height, "notes": [_TURNED] * is_turned}
+    notes = [_TURNED] * is_turned
     for frame in range(frames):
         name = f"{label} ({direction}{f', frame {frame + 1}' if frames > 1 else ''})"
         image = partial(_read, path, array.name, frame, (ny, nx), scale)
-        yield picture(name, (ny, nx), image, unit or "no unit", field, lateral_unit, **arguments)
+        channel = Channel(name, (ny, nx), image, unit or "no unit", no_height=no_height, notes=notes)
+        yield on_field(channel, field, lateral_unit)
 
 
 def _read(path: Path, name: str, frame: int, shape: tuple[int, int], scale: Sequence[float]) -> np.ndarray:

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, picture, stored_floats
+from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, on_field, stored_floats
 from roughcontact.io.guards import refusing
 from roughcontact.io.instrument_kinds import PROBE
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
@@ -59,7 +59,7 @@ def _channels(entries: dict[str, str], start: int, path: Path) -> Iterator[Chann
         for direction in _DIRECTIONS[entry["Direction"].lower()]:
             name = f"{entry['Name']} ({direction})"
             image = partial(_read, path, start, (ny, nx), reverse=direction == "backward")
-            yield picture(name, (ny, nx), image, unit, field, "m", no_height=why)
+            yield on_field(Channel(name, (ny, nx), image, unit, no_height=why), field, "m")
             start += 4 * nx * ny
 
 

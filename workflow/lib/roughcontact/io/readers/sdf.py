@@ -2,7 +2,6 @@
 
 import io
 import re
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +30,7 @@ def read(path: Path) -> MeasuredFile:
     instrument = instrument_metadata({"vendor": header.manufacturer_id, **dates})
     shape, dx = file.data.shape, stated_length(header.x_scale)
     dy = stated_length(header.y_scale) if shape[0] > 1 else None
-    channel = Channel("height", shape, partial(as_heights, file.data), "m", dx, dy, "m")
+    channel = Channel("height", shape, lambda: as_heights(file.data), "m", dx, dy, "m")
     # behind the heights of a binary file lies text or nothing
     trailer = file.trailer if isinstance(file.trailer, bytes) else str(file.trailer or "").encode()
     if any(mark in trailer for mark in _MARKS):

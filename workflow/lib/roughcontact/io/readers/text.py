@@ -273,8 +273,9 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
             raise InputFileError(f"{first_line} has {nx - 1} numbers where the others have {nx}")
         return _matrix(values, text)
     heights, steps, description = axes
-    file = _matrix(heights, text, steps, lateral_unit=unit if len(steps) == 2 else None)
+    file = _matrix(heights, text, steps)
     (channel,) = file.channels
+    channel.lateral_unit = channel.lateral_unit or (unit if len(steps) == 2 else None)
     file.warnings.append(description + (note if channel.lateral_unit is None else ""))
     if "dy" in steps:
         file.first_row, file.first_row_assumed = "bottom", False
@@ -437,12 +438,7 @@ def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFil
 
 
 def _matrix(
-    table: np.ndarray,
-    text: _Text,
-    positions: dict[str, float] | None = None,
-    *,
-    unit: str | None = None,
-    lateral_unit: str | None = None,
+    table: np.ndarray, text: _Text, positions: dict[str, float] | None = None, unit: str | None = None
 ) -> MeasuredFile:
     """Return a matrix of heights, with steps or size from the header, or by the positions beside it."""
     ny, entries = len(table), text.stated
@@ -451,8 +447,7 @@ def _matrix(
     if ny == 1 and "length_y" in entries:
         raise InputFileError("the header gives a size along y, the file has one line; it was cut off")
     wrong = contradiction(entries, table.shape) or wrapped(table)
-    steps, unit_of_steps = ({}, None) if wrong else _steps(text, table.shape)
-    lateral_unit = unit_of_steps or lateral_unit
+    steps, lateral_unit = ({}, None) if wrong else _steps(text, table.shape)
     steps = (positions or {}) | steps
     dy = steps.get("dy") if ny > 1 else None
     channel = _channel(table, text, unit, dx=steps.get("dx"), dy=dy, lateral_unit=lateral_unit)

@@ -5,11 +5,10 @@ rows (32 bits), lengths and origins along x and y, and rows of 4-byte floats, li
 """
 
 import struct
-from functools import partial
 from pathlib import Path
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import MeasuredFile, picture, stored_floats
+from roughcontact.io.channels import Channel, MeasuredFile, on_field, stored_floats
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
 from roughcontact.io.metadata import instrument_metadata
 
@@ -29,8 +28,8 @@ def read(path: Path) -> MeasuredFile:
     comment = fields[0].decode("latin-1").strip()
     start = len(mark) + len(fields[0]) + 2 + _HEADER.size
     nx, ny, length_x, length_y, *_ = _HEADER.unpack_from(fields[1])
-    read_floats = partial(stored_floats, path, "<f4", (ny, nx), start)
-    channel = picture("Default", (ny, nx), read_floats, "mm", (length_x, length_y), "mm")
+    channel = Channel("Default", (ny, nx), lambda: stored_floats(path, "<f4", (ny, nx), start), "mm")
+    channel = on_field(channel, (length_x, length_y), "mm")
     vendor = "TrueMap" if "TrueMap" in comment else ""
     instrument = instrument_metadata({"vendor": vendor, "comment": comment})
     return MeasuredFile("TrueMap TMD", [channel], "top", instrument, required_size=start + 4 * nx * ny)

@@ -80,6 +80,9 @@ def joined(line: str) -> str:
     return _PHRASE.sub(lambda match: match[0].lower().replace(" ", ""), line) if " " in line else line
 
 
+Lines = list[str]
+
+
 class Dialect(NamedTuple):
     """How a text writes a table; the delimiter of its columns is None for white space."""
 
@@ -234,16 +237,14 @@ def _is_row_like(line: str, row: str) -> bool:
     cells = [cell.strip().replace(",", ".") for cell in line.split(delimiter)]
     if not is_row(line) or len(cells) < len(row.split(delimiter)) or len(line) > len(cells) * _MAX_CELL:
         return False
-    if not cells[0] or is_missing(cells[0]) or _parse_number(cells[0]) is None:
+    if is_missing(cells[0]) or _parse_number(cells[0]) is None:
         return False
     # between blanks "3 points" and "10 µm" are lines of a header
     words = [] if delimiter else [cell for cell in cells if _parse_number(cell) is None]
     return 2 * len(words) < len(cells) or (max(map(len, words)) < _SHORT_WORD and not is_length(words[0]))
 
 
-def strip_remarks(
-    header: list[str], body: list[str], dialect: Dialect
-) -> tuple[list[str], list[str], list[str]]:
+def strip_remarks(header: Lines, body: Lines, dialect: Dialect) -> tuple[Lines, Lines, Lines]:
     """Return header and table without columns of words and dates, and what stands right of words; a note.
 
     Examples
