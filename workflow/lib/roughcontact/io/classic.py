@@ -3,6 +3,7 @@
 The netCDF library trusts every count of CDF-5, and reads zeros where a classic file was cut off.
 """
 
+from collections.abc import Iterator
 from math import prod
 from pathlib import Path
 from typing import BinaryIO
@@ -48,12 +49,14 @@ class _Header:
         _require(length <= self.size - self.stream.tell(), "its header counts more than the file has")
         self.stream.seek(length, 1)
 
-    def entries(self, tag: int) -> range:
-        """Return the numbers of the entries of a list; each has at least eight bytes."""
+    def entries(self, tag: int) -> Iterator[int]:
+        """Yield the numbers of the entries of a list, behind their names; each has at least eight bytes."""
         list_tag, count = self.number(4), self.number()
         is_list = list_tag == tag or (list_tag == 0 and not count)
         _require(is_list and count <= self.size // 8, "its header has no list where one is due")
-        return range(count)
+        for index in range(count):
+            self.skip(self.number())  # the name
+            yield index
 
     def value_bytes(self) -> int:
         """Return the bytes of a value of the next type."""
@@ -64,7 +67,6 @@ class _Header:
     def skip_attributes(self) -> None:
         """Skip a list of attributes."""
         for _ in self.entries(_ATTRIBUTES):
-            self.skip(self.number())
             self.skip(self.value_bytes() * self.number())
 
 
@@ -77,16 +79,12 @@ def _require(condition: bool, why: str) -> None:
 def _stated_size(header: _Header) -> int | None:
     """Check a header, and return the size of the file that it describes."""
     records = header.number()
-    lengths: list[int] = []
-    for _ in header.entries(_DIMENSIONS):
-        header.skip(header.number())
-        lengths.append(header.number())
+    lengths = [header.number() for _ in header.entries(_DIMENSIONS)]
     header.skip_attributes()
     largest = 256**header.count - 4  # larger ones state nothing
     fixed_sizes: list[tuple[int, int]] = []  # where a variable begins, and its bytes
     record_sizes: list[tuple[int, int]] = []  # the same of its first record
     for _ in header.entries(_VARIABLES):
-        header.skip(header.number())
         count = header.number()
         _require(count <= _MAX_AXES, "a variable has too many axes")
         axes = [header.number() for _ in range(count)]

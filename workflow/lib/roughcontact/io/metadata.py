@@ -73,9 +73,8 @@ def _plain(value: Any) -> str | float | None:
     if isinstance(value, str):
         value = " ".join(value.replace("\0", " ").split())
         return None if value.lower() in _SILENT or len(value) > _LONGEST else value
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return None
-    return None if value == 0 or not math.isfinite(value) else value
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return value if is_number and value != 0 and math.isfinite(value) else None
 
 
 def labelled(instrument: Mapping[str, Any]) -> list[tuple[str, str]]:

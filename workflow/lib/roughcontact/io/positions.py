@@ -20,15 +20,14 @@ class UnevenPositionsError(InputFileError):
 
 
 @np.errstate(all="ignore")  # infinite positions are not even
-def even_step(positions: ArrayLike, name: str) -> float:
+def even_step(positions: np.ndarray, name: str) -> float:
     """Return the step of two or more positions (n,), negative for decreasing ones, even to 2 % of a step.
 
     Examples
     --------
-    >>> even_step([0.0, 0.501, 1.0], "x")
+    >>> even_step(np.array([0.0, 0.501, 1.0]), "x")
     0.5
     """
-    positions = np.asarray(positions, dtype=float)
     step = float((positions[-1] - positions[0]) / (positions.size - 1))
     deviation = np.max(np.abs(positions - positions[0] - step * np.arange(positions.size)))
     if not np.isfinite(step) or step == 0 or not deviation <= 0.02 * abs(step):
@@ -38,7 +37,7 @@ def even_step(positions: ArrayLike, name: str) -> float:
 
 
 @np.errstate(all="ignore")
-def rounded_step(positions: ArrayLike) -> float | None:
+def rounded_step(positions: np.ndarray) -> float | None:
     """Return the step of rising positions (n,) even but for the rounding of their last decimal, or None.
 
     Fifty and more, multiples of a power of ten up to the step, lie within 0.55 of it from a line; gaps stray
@@ -51,7 +50,6 @@ def rounded_step(positions: ArrayLike) -> float | None:
     >>> rounded_step(np.cumsum(np.tile([0.1, 0.2, 0.2, 0.5], 50))) is None
     True
     """
-    positions = np.asarray(positions, dtype=float)
     even = positions.size >= 50 and np.isfinite(positions).all()
     if not even or not 0 < positions[-1] - positions[0] < _LONGEST:
         return None

@@ -80,12 +80,9 @@ def _interpolated(positions, z, steps):
     along = [_grid(coords, step) for coords, step in zip(positions, steps, strict=True)]
     check_points((prod(axis.size for axis in along[1:]), along[0].size))
     # in steps from the middle: the triangulation matches the grid, and rounding errors are small
-    scales = [(coords.mean(), step) for coords, step in zip(positions, steps, strict=True)]
-    rescaled, axes = (
-        [(coords - middle) / step for coords, (middle, step) in zip(group, scales, strict=True)]
-        for group in (positions, along)
-    )
-    points, grid = np.column_stack(rescaled), np.meshgrid(*axes)
+    middle = [coords.mean() for coords in positions]
+    points = (np.column_stack(positions) - middle) / steps
+    grid = np.meshgrid(*((axis - low) / step for axis, low, step in zip(along, middle, steps, strict=True)))
     if len(positions) == 1:
         order = np.argsort(positions[0], kind="stable")
         heights = np.interp(along[0], positions[0][order], z[order])

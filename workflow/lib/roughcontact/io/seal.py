@@ -47,11 +47,8 @@ def check_seal(path: str | Path) -> int:
 
 def stated_seal(path: Path) -> str:
     """Return the checksum in the last line of a file, empty without one."""
-    content = path.stat().st_size - _LENGTH
-    if content < 0:
-        return ""
     with path.open("rb") as file:
-        file.seek(content)
+        file.seek(max(path.stat().st_size - _LENGTH, 0))
         match = _PATTERN.fullmatch(file.read())
     return match[1].decode() if match else ""
 

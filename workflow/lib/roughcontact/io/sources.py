@@ -17,7 +17,7 @@ from roughcontact.arguments.quantities import counted_noun, quantity
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile
 from roughcontact.io.request import Request
-from roughcontact.io.text.header import LONGEST_QUOTE, NUMBER, number_and_rounding
+from roughcontact.io.text.header import LONGEST_QUOTE, NUMBER, SLACK, WIDEST_SLACK, number_and_rounding
 from roughcontact.io.units import is_length, metres
 from roughcontact.io.vocabulary import pattern, rows_of, words
 
@@ -42,7 +42,6 @@ _COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*(?!point|p
 _COUNT = re.compile(r"[:=\s]\s*(\d{1,9})\W*$")
 _SAMPLE = 2**18  # heights among which the most frequent ones are looked for
 _FREQUENT = 0.005  # share of the points at one height, as of a marker
-_CLOSE, _WIDEST = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with their rounding
 _MAX_QUOTED = 3  # lines in a question
 # what a line may concern -> the keys that it asks for, and the sentence; of several the first counts
 _DOUBTS = {matter: (keys.split(), sentence) for matter, keys, sentence in rows_of("doubts.tsv")}
@@ -58,7 +57,7 @@ class Length(NamedTuple):
 
     def agrees(self, lengths: Sequence[float]) -> bool:
         """Return whether it is one of some lengths (m) within its rounding."""
-        slack = _CLOSE + min(self.rounding, _WIDEST)
+        slack = SLACK + min(self.rounding, WIDEST_SLACK)
         return any(abs(abs(self.value) - abs(length)) <= slack * abs(length) for length in lengths)
 
 

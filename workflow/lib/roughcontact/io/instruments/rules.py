@@ -10,6 +10,7 @@ import re
 import struct
 from collections.abc import Callable, Mapping
 from configparser import RawConfigParser
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -156,11 +157,9 @@ def _wyko_instrument(data: mmap.mmap) -> dict[str, Any]:
 
 def _bruker_size(data: mmap.mmap, header: Header, points: int) -> int | None:
     """Count up to the end of the last block that a section of the header places."""
-    blocks = nanoscope.sections(data[: max(0, data.find(nanoscope.END))])
-    blocks_with_offset = (block for block in blocks if "data offset" in block)
-    return max(
-        (int(block["data offset"]) + int(block["data length"]) for block in blocks_with_offset), default=None
-    )
+    sections = nanoscope.sections(data[: max(0, data.find(nanoscope.END))])
+    blocks = (section for section in sections if "data offset" in section)
+    return max((int(block["data offset"]) + int(block["data length"]) for block in blocks), default=None)
 
 
 def _nanosurf_size(data: mmap.mmap, header: Header, points: int) -> int | None:
@@ -193,6 +192,11 @@ def _igor(data: mmap.mmap, header: Header) -> str:
     return "the checksum of its header does not match its content" if total & 0xFFFF else ""
 
 
+def _is_set(key: str, header: Header) -> bool:
+    """Return whether an entry of a header is neither 0, nor no, nor empty."""
+    return str(header.get(key) or "").strip().lower() not in ("", "0", "no")
+
+
 #: By the library's name of the format.
 RULES = {
     "di": Rules(_bruker_size, source=nanoscope.with_micro_signs, corrected=nanoscope.corrected),
@@ -203,14 +207,8 @@ RULES = {
     "wsxm": Rules(_wsxm_size),
     "ps": Rules(lambda data, header, points: tiff_end(data), _park),
     "bcr": Rules(_bcr_size),
-    "metropro": Rules(
-        _metropro_size, _metropro, is_inverted=lambda header: bool(int(header.get("sign") or 0))
-    ),
-    "opd": Rules(
-        _wyko_size,
-        instrument=_wyko_instrument,
-        is_inverted=lambda header: str(header.get("Data_Invert", "No")).strip().lower() not in ("no", ""),
-    ),
+    "metropro": Rules(_metropro_size, _metropro, is_inverted=partial(_is_set, "sign")),
+    "opd": Rules(_wyko_size, instrument=_wyko_instrument, is_inverted=partial(_is_set, "Data_Invert")),
     "ibw": Rules(contradiction=_igor),
     "plu": Rules(_sensofar_size),
     "nms": Rules(

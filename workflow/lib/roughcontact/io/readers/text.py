@@ -568,12 +568,9 @@ def _channel(numbers: np.ndarray, text: _Text, unit: str | None = None, **attrib
         numbers[numbers == marker.value] = np.nan
     for factor in text.stated.get("z_factor", [])[:1]:  # of counts or phases: it makes them lengths
         attributes["count_height"], unit = factor.value, factor.unit or unit
-    lines = {
-        column: f"line {text.stated[entry][0].line}"
-        for column, entries in words("source").items()
-        for entry in entries
-        if entry in text.stated and text.stated[entry][0].line
-    }
+    numbers_of = {entry: group[0].line for entry, group in text.stated.items() if group[0].line}
+    columns = ((column, entry) for column, entries in words("source").items() for entry in entries)
+    lines = {column: f"line {numbers_of[entry]}" for column, entry in columns if entry in numbers_of}
     otherwise = {"unit": lines.get("dx", "headings"), "height_unit": "headings"}
     attributes["sources"] = otherwise | {"missing_value": "words and NaN"} | lines
     attributes["unused"] = _unused(text)

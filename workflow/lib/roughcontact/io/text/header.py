@@ -81,7 +81,7 @@ _HEIGHT_WORDS = "|".join(words("header")["height"] + words("part")["height"])
 _HEIGHT_WORD = re.compile(rf"\W*(?:{_HEIGHT_WORDS})\b", re.IGNORECASE)
 LONGEST_QUOTE = 60  # characters of a line that a message shows
 _AMBIGUOUS = "its mark may be the decimal sign or separate thousands"
-_SLACK, _WIDEST_SLACK = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with rounding
+SLACK, WIDEST_SLACK = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with rounding
 _ODD_PIXEL = 10.0  # ratio of the sides of a pixel above which two different units of them are doubted
 
 
@@ -271,10 +271,10 @@ def _agree(first: tuple[Statement, int], second: tuple[Statement, int], general:
         return same_length(first[0].value, second[0].value)
     units = [statement.unit or general for statement, _ in (first, second)]
     factors = [*map(metres, units)] if all(map(is_length, units)) else [1.0, 1.0]
-    steps, slack = [], _SLACK
+    steps, slack = [], SLACK
     for (statement, points), factor in zip((first, second), factors, strict=True):
         steps.append(statement.value * factor / points)
-        slack += min(statement.rounding / abs(statement.value or 1), _WIDEST_SLACK)
+        slack += min(statement.rounding / abs(statement.value or 1), WIDEST_SLACK)
     count = second[1]
     between_ends = 1 - (first[1] != count) / count  # a length from the first point to the last
     return any(math.isclose(steps[0] * ratio, steps[1], rel_tol=slack) for ratio in (1, between_ends))

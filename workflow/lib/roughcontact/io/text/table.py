@@ -24,10 +24,7 @@ COMMENT_SIGNS = "#%;!\\*/"  # at the beginning of a line
 WITHOUT_THOUSANDS = "write the numbers without separators of thousands"
 _FORTRAN = re.compile(r"^([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)$")  # double precision, 1.5D-03
 # between the thousands of a number with decimals, and of one that is a cell
-_GROUPS = {
-    mark: re.compile(rf"(?<=\d){re.escape(mark)}(?=\d{{3}}(?:{re.escape(mark)}\d{{3}})*[.,]\d)")
-    for mark in ".,"
-}
+_GROUPS = {mark: re.compile(rf"(?<=\d)[{mark}](?=\d{{3}}(?:[{mark}]\d{{3}})*[.,]\d)") for mark in ".,"}
 _GROUPED = re.compile(r"[-+]?\d{1,3}(?:[ '’\xa0\u202f]\d{3})+(?:\.\d*)?")
 _ENTRY = re.compile(r"\s*[^\W\d][^;\t]*[:=]")  # a word that says of what the number is, as "Mean: 0.25"
 # a date, perhaps with the time of day, as a cell
@@ -376,12 +373,15 @@ def split_footer(body: list[str], header: Sequence[str] = ()) -> tuple[list[str]
 def _left_out_below(footer: list[str], start: int) -> list[str]:
     """Return a note on the lines below a table, but for comments and words that only say that it ends."""
     lines = [
-        (number, line.strip())
-        for number, line in enumerate(footer, start)
-        if line.strip(_CELL_SEPARATORS) and not _is_end(line) and line.lstrip()[0] not in "#%"
+        (n, line.strip()) for n, line in enumerate(footer, start) if _has_words(line) and not _is_end(line)
     ]
     note = f" and {counted_noun(len(lines) - 1, 'line')} more" if len(lines) > 1 else ""
     return [f"below the table, line {lines[0][0]} ({lines[0][1][:60]!r}){note} is left out"] if lines else []
+
+
+def _has_words(line: str) -> bool:
+    """Return whether a line that is no row has something in it, and is no comment."""
+    return bool(line.strip(_CELL_SEPARATORS)) and line.lstrip()[0] not in "#%"
 
 
 def _is_end(line: str) -> bool:
@@ -433,8 +433,7 @@ def split_tables(header: list[str], body: list[str], start: int, dialect: Dialec
             continue
         width = width or len(line.strip().split(dialect.delimiter))
         if tables[-1].lines:
-            words = [text for text in gap_lines if text.strip(_CELL_SEPARATORS)]
-            if any(text.lstrip()[0] not in "#%" for text in words) or statements(words):
+            if any(map(_has_words, gap_lines)) or statements(gap_lines):
                 tables.append(Rows(gap_lines, number - len(gap_lines), [], []))
                 check_count(len(tables))
             elif gap_lines and not tables[-1].broken:
@@ -444,7 +443,7 @@ def split_tables(header: list[str], body: list[str], start: int, dialect: Dialec
         tables[-1].lines.append(number)
         gap_lines = []
     for number, line in enumerate(gap_lines, start=start + len(body) - len(gap_lines)):
-        if line.strip(_CELL_SEPARATORS) and line.lstrip()[0] not in "#%":
+        if _has_words(line):
             raise _no_row(line, number)
     # an empty line below every row, as of some line ends, separates nothing; a longer gap does
     if is_separate and len(tables) == 1 and len(tables[0].lines) > 2:
@@ -517,11 +516,9 @@ def parse_table(rows: Rows, dialect: Dialect) -> tuple[np.ndarray, np.ndarray, b
         empty &= [not cell.strip() for cell in text.split(delimiter)]
     # a row above the table that a word keeps out of it would be a line of the map that is lost
     refuse_lost_row(rows, counts[0], dialect)
-    way_out = "write NaN if the point is missing, or correct it"
-    cells_in_words = [
-        (word, f"in {counted_noun(count, 'cell')} of the table") for word, count in spoken.items()
-    ]
-    notes = [f"{word!r} occurs {where} and is taken as missing: {way_out}" for word, where in cells_in_words]
+    cells_of = {word: counted_noun(count, "cell") for word, count in spoken.items()}
+    advice = "is taken as missing: write NaN if the point is missing, or correct it"
+    notes = [f"{word!r} occurs in {cells} of the table and {advice}" for word, cells in cells_of.items()]
     short = bool(rows.label) or lacks_corner
     return values, empty, short or not texts[0].split(delimiter)[0].strip(), short, notes
 
@@ -581,12 +578,10 @@ def word_in_row(line: str, width: int, dialect: Dialect) -> str | None:
     values = [*map(dialect.number, cells)]
     non_numbers = [cell for cell, value in zip(cells, values, strict=True) if value is None]
     numbers = sum(bool(cell) for cell in cells) - len(non_numbers)
-    if non_numbers and _are_finite(values).any() and 2 * numbers > len(cells):
-        return non_numbers[0]
+    has_word = bool(non_numbers) and _are_finite(values).any() and 2 * numbers > len(cells)
     is_marker = len(set(non_numbers)) == 1 < len(non_numbers) and len(cells) == width >= WIDE_TABLE
-    if is_marker and any(map(str.isalnum, non_numbers[0])) and not is_heading(non_numbers[0]):
-        return non_numbers[0]
-    return None
+    is_marker = is_marker and any(map(str.isalnum, non_numbers[0])) and not is_heading(non_numbers[0])
+    return non_numbers[0] if has_word or is_marker else None
 
 
 def refuse_lost_row(rows: Rows, width: int, dialect: Dialect) -> None:
