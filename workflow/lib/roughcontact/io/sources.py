@@ -212,25 +212,23 @@ def lines_not_used(
     extremes = [finite.min(), finite.max(), np.ptp(finite), 1.0] if finite.size else []
     sides = [dx, dy, nx * dx, ny * dy, (nx - 1) * dx, (ny - 1) * dy]
     lengths_used = [*sides, *(height_factor * height for height in extremes)]
-    has_line = any("line" in channel.sources.get(key, "") for key in ("dx", "dy"))
+    step_sources = channel.sources.get("dx", "") + channel.sources.get("dy", "")
+    steps_from_lines = "line" in step_sources and not request.has_steps(channel.shape)
     lateral_factor = metres(unit) if is_length(unit := channel.lateral_unit or request.unit) else None
     texts = {"dx": quantity(dx, "m"), "dy": quantity(dy, "m")}
-    exempt, listing, notes = ignored_lines(request), [], []
-    conspicuous = _conspicuous(finite)
-    for number, text in channel.unused:
+    lines = ((f"line {number}: {text[:LONGEST_QUOTE]}", text) for number, text in channel.unused)
+    listing = [line for line, text in lines if parse_lengths(text) or _PLAIN.search(text)]
+    exempt, conspicuous, notes = ignored_lines(request), _conspicuous(finite), []
+    for number, text in (line for line in channel.unused if line[0] not in exempt):
         lengths = parse_lengths(text)
         values = [float(match) for match in _PLAIN.findall(text.replace(",", "."))]
-        if lengths or values:
-            listing.append(f"line {number}: {text[:LONGEST_QUOTE]}")
-        if number in exempt:
-            continue
         matters = _matters(text)
         elsewhere, is_step, is_fraction = (matter in matters for matter in ("elsewhere", "step", "fraction"))
         with_number = [length for length in lengths if length.value == length.value]
         used = sides if is_step else lengths_used
         strange = not elsewhere and not all(length.agrees(used) for length in with_number)
-        odd_points = any({*map(int, pair)} != {nx, ny} for pair in _COUNTS.findall(text))
-        contradicts = has_line and not elsewhere and not request.has_steps(channel.shape) and (strange or odd_points)
+        odd_size = any({*map(int, pair)} != {nx, ny} for pair in _COUNTS.findall(text))
+        contradicts = steps_from_lines and not elsewhere and (strange or odd_size)
         is_count = "points" in matters and not matters & {"marker", "elsewhere"}
         # in words that are not known
         strange_count = is_count and any(int(n) not in (0, 1, nx, ny, nx * ny) for n in _COUNT.findall(text))
@@ -260,7 +258,7 @@ def lines_not_used(
             "turned": not is_denied and ("turned" in matters or _NO_HEIGHTS.search(text)),
             "step": contradicts and is_step,
             "pixels": not is_denied and "pixels" in matters and values != [1],
-            "size": contradicts or off_step or strange_count or (odd_points and is_count),
+            "size": contradicts or off_step or strange_count or (odd_size and is_count),
             "unit": (factors and own_factor and is_other) or (is_fraction and lengths) or is_scaled,
         }
         # a line is quoted once
