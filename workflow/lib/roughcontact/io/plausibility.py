@@ -128,8 +128,7 @@ def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[Suspicion]:
 def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kind) -> Iterator[str]:
     """Compare steps, field and heights with each other and with the ranges of the kind of instrument."""
     ny, nx = shape
-    fields = [nx * dx, ny * dy] if ny > 1 else [nx * dx]
-    steps = [dx, dy] if ny > 1 else [dx]
+    steps, fields = [dx, dy][:ny], [nx * dx, ny * dy][:ny]
     if span > max(fields):
         relation = f"{quantity(span, 'm')}, more than the field of {quantity(max(fields), 'm')}"
         yield f"the heights span {relation}: check the height unit"

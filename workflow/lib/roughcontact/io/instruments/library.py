@@ -178,8 +178,7 @@ def _channel(info: Any, file_format: Format) -> Channel:
         uneven = "the positions along x are not evenly spaced"
         return scattered(channel, topography.positions(), None, values, uneven)
     heights = as_heights(values.T if topography.dim == 2 else values)
-    header = _header(info)
-    rules = file_format.rules
+    header, rules = _header(info), file_format.rules
     heights[rules.not_measured(header, heights)] = np.nan
     if info.physical_sizes is not None:
         steps = np.asarray(topography.physical_sizes, dtype=float) / np.asarray(topography.nb_grid_pts)

@@ -428,9 +428,8 @@ def _name_and_unit(key: str) -> tuple[str, str]:
     if unit.lower() in ("x", "y"):  # a side
         return f"{name} {unit}", ""
     head, _, last = re.sub(r"[\s_/]+(?:in[\s_]+)?(?=[^\s_/]+$)", "\0", name.strip()).partition("\0")
-    return (
-        (head, last) if not opening and last != "in" and is_length(last) and _meaning(head) else (name, unit)
-    )
+    has_unit = not opening and last != "in" and is_length(last) and _meaning(head)
+    return (head, last) if has_unit else (name, unit)
 
 
 def _parse_quantities(meaning: str, entry: tuple[str, str, str], unit: str, sign: str) -> Entries:
