@@ -134,7 +134,8 @@ def split_text(text: str) -> tuple[list[Rows], list[int], Dialect, list[str]]:
     body, footer, dialect = split_footer(body, header)
     header, body, remarks = strip_remarks(header, body, dialect)
     last_line = len(header) + len(body)
-    count = [str(sum(map(is_row, body)))] if any(footer) else []  # "Total points: 252"
+    # "Total points: 252" says nothing else than the table
+    count = [str(sum(map(is_row, body)))] if re.search(r"\d", "".join(footer)) else []
     lines_below = ["" if re.findall(r"\d+", line) == count else line for line in footer]
     notes = [*_left_out_below(lines_below, last_line + 1), *remarks]
     if not footer:
