@@ -25,8 +25,9 @@ _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pres
 _BODIES = "bodies: [steel, {youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
 # key of `statistics`, what it needs one of, and what is wrong without
 _SHEAR, _STRENGTH, _SPEED = (f"friction.{key}" for key in ("tangential_load", "shear_strength", "speed"))
-_CONDUCTING = ("thermal_conductivity",), "needs the thermal_conductivity of both bodies"
-_RESISTING = ("electrical_resistivity",), "needs the electrical_resistivity of both bodies"
+_STATED = "of both bodies: state it for one whose material has none"
+_CONDUCTING = ("thermal_conductivity",), f"needs the thermal_conductivity {_STATED}"
+_RESISTING = ("electrical_resistivity",), f"needs the electrical_resistivity {_STATED}"
 _OF_AREA = ("joint.area", "area"), "needs the area of the joint"
 _OF_SEAL = ("seal.perimeter",), "needs the perimeter of the seal"
 _FLOWING = ("joint.heat_flow",), "needs the heat_flow through the joint"
