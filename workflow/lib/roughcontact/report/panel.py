@@ -241,10 +241,11 @@ def _charts(numbers: xr.Dataset, window: xr.DataArray, indices: Sequence[int]) -
     charts = {
         "area": (load_plots.area_against_load(numbers, window), (AREA,)),
         "pressure": (load_plots.pressure_against_load(numbers), (PRESSURE, PEAK)),
-        "gap": (load_plots.gap_against_load(numbers), (GAP,)),
         "pressures": (load_plots.pressure_distribution(numbers, indices), _OF_PRESSURES),
         "gaps": (load_plots.gap_distribution(numbers, indices), (GAP,)),
     }
+    if "contact_radius" not in numbers:  # the mean gap of a body of finite size is that of its form
+        charts["gap"] = load_plots.gap_against_load(numbers), (GAP,)
     if dimensions(window.shape) == 2:  # the patches of a profile have no area
         patches = load_plots.patch_distribution(numbers, indices)
         charts["patches"] = patches, ("contact_clusters", "largest_patch_area")
