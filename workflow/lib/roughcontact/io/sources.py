@@ -36,7 +36,7 @@ _PER = re.compile(r"\d\s*[^\W\d_]+\s*/\s*\Z")  # before a unit, as in 40 N/m
 _SPEED = re.compile(r"\s*/\s*(?:s|sec|min|h)\b")
 _PLAIN = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 # that stands for itself, neither in a name nor before a unit at the end of the line
-_ALONE = re.compile(rf"(?<![^\s:=;,(])(?>{_PLAIN.pattern})(?=[\s;,).]|$)(?!\s*([^\W\d]{{1,3}})\W*$)")
+_ALONE = re.compile(rf"(?<![^\s:=;,])(?>{_PLAIN.pattern})(?=[\s;,).]|$)(?!\s*([^\W\d]{{1,3}})\W*$)")
 _TOLERANCE = re.compile(r"(?:\+/-|±)\s*[\d.,]+\s*\w*")
 _COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*(?!point|pixel)[^\W\d_])")
 _COUNT = re.compile(r"[:=\s]\s*(\d{1,9})\W*$")

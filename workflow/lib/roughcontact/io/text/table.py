@@ -205,12 +205,12 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
 def _is_remark(lines: list[str]) -> bool:
     """Return whether the first of three lines begins with a semicolon, as none of the cells below it end.
 
-    Or with a word for a missing point, and has another number of cells: it states which number marks these.
+    Or holds a word and a number alone above rows of more cells: which number marks a missing point.
     """
-    start, following = lines[0].lstrip()[:1], "".join(lines[1:2]).strip()
-    if following and start.isalpha() and len(_cells(lines[0])) != len(_cells(following)):
+    first, second = (re.split(r"[;\t]|,?\s+", line.strip(_CELL_SEPARATORS)) for line in [*lines, ""][:2])
+    if first[0][:1].isalpha() and len(first) == 2 != len(second) and second[0]:
         return True
-    return start == ";" and not any(";" in below for below in lines[1:])
+    return lines[0].lstrip().startswith(";") and not any(";" in below for below in lines[1:])
 
 
 def _are_labelled(lines: list[str]) -> bool:
