@@ -277,8 +277,10 @@ def strip_remarks(header: Lines, body: Lines, dialect: Dialect) -> tuple[Lines, 
         notes.append(f"column {index + 1} ({listing}) holds {kind} and is left out")
 
     def kept(line: str) -> str:
-        is_sentence = dialect.delimiter is None and bool(statements([line]))  # "Heights in µm"
         cells = line.strip(" \r\f").split(dialect.delimiter)
+        few_names = 2 * sum(map(is_heading, cells)) < width
+        # "Heights in µm", "Ra 0.25 µm"
+        is_sentence = dialect.delimiter is None and (few_names or bool(statements([line])))
         if not is_row(line) and (len(cells) != width or is_sentence):
             return line
         kept_cells = [cell for index, cell in enumerate(cells) if index not in columns | remarks]
