@@ -202,18 +202,18 @@ def _fields(
 
 
 def each_load(numbers: xr.Dataset, with_maps: Sequence[int]) -> list[tuple[str, str, int, float]]:
-    """Return for each load its name, its answers in words, the place of the maps, and its value in a chart.
+    """Return for each load its name, what is asked in words, the place of the maps, its value in a chart.
 
     The maps are those of the load itself or, as the words say, of the nearest of those `with_maps`.
     """
-    stated = stated_loads(numbers)
+    stated, asked = stated_loads(numbers), glance.asked_columns([numbers])
     loads, result = stated.values, []
     for index, cells in enumerate(glance.glance_rows(numbers, indices=range(loads.size))):
         text = [
             ", ".join(filter(None, (f"{glance.HEADINGS[name]} {cell.text}", cell.details, cell.known)))
             + (f" ({outcome.VERDICTS[cell.outcome]})" if cell.outcome else "")
             for name, cell in cells.items()
-            if cell.text != glance.NOT_JUDGED and name != glance.LOAD
+            if cell.text != glance.NOT_JUDGED and name in asked
         ]
         nearest = int(np.argmin(np.abs(np.log(loads[list(with_maps)] / loads[index])))) if with_maps else 0
         if index not in with_maps:
