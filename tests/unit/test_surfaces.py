@@ -475,7 +475,10 @@ def test_a_place_before_pairs_surfaces_and_gives_no_noise(table):
             ("a\ta\t\t\t", "b\tb\ta\t\t", "c\tc\tb\ta\t"),
             "line 4, before = a: c and a are repeats as well (repeat_of)",
         ),
-        (("a\ta\t\t\tg", "b\tb\t\ta\tg"), "line 3, before = a: b and a are both in group g; give before"),
+        (("a\ta\t\t\tg", "b\tb\t\ta\tg"), "line 3, group = g: b and a are the same place; give before"),
+        # by way of another map of the place
+        (("a\ta\t\t\tg", "b\tb\t\ta\t", "c\tc\t\tb\tg"), "line 4, group = g: c and a are the same place"),
+        (("a\ta\t\t\tg", "b\tb\t\ta\t", "c\tc\tb\t\tg"), "line 4, group = g: c and a are the same place"),
         (("a\ta\t\t\t", "b\ta\t\ta\t"), "line 3, before = a: b and a are the same file, a; name the file"),
         (("a\ta\t\t\tg", "b\ta\t\t\tg"), "line 2, group = g: a and b are the same file, a; leave one out"),
     ],

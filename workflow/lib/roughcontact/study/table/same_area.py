@@ -7,7 +7,7 @@ from typing import Any
 
 from roughcontact.arguments.settings.messages import nearest
 from roughcontact.errors import SettingsError
-from roughcontact.study.table.columns import BEFORE, OVERVIEW, REPEAT
+from roughcontact.study.table.columns import BEFORE, GROUP, OVERVIEW, REPEAT
 from roughcontact.study.table.row import Surface, in_cell
 
 
@@ -50,11 +50,23 @@ def mistakes_in_areas(surfaces: Mapping[str, Surface]) -> list[SettingsError]:
         circle = " -> ".join(error.args[1])
         text = f"columns {REPEAT}, {BEFORE}: {circle} is a circle; name in each row what is earlier"
         return [SettingsError(text)]
-    return [
+    mistakes = [
         in_cell(row, BEFORE, f"{BEFORE} = {row.before}: {row.name} and {row.before} are {wrong}")
         for row in surfaces.values()
         if row.before and (wrong := _mistake_in_before(surfaces, row, surfaces[row.before]))
     ]
+    return mistakes or [*_mistakes_in_groups(surfaces)]
+
+
+def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> Iterator[SettingsError]:
+    """Yield the maps of a place that count as independent maps of a group: all but repeats."""
+    for place in _places(surfaces):
+        first_of_group: dict[str, str] = {}
+        for row in map(surfaces.__getitem__, place):
+            first = first_of_group.setdefault(row.group, row.name)
+            if row.group and _first_repeated(surfaces, first) != _first_repeated(surfaces, row.name):
+                text = f"{GROUP} = {row.group}: {row.name} and {first} are the same place"
+                yield in_cell(row, GROUP, f"{text}; give before and after a group of their own")
 
 
 def _mistake_in_before(surfaces: Mapping[str, Surface], row: Surface, earlier: Surface) -> str:
@@ -63,8 +75,6 @@ def _mistake_in_before(surfaces: Mapping[str, Surface], row: Surface, earlier: S
         return f"repeats as well ({REPEAT}), with nothing done in between; choose one"
     if (row.path, row.read_arguments) == (earlier.path, earlier.read_arguments):
         return f"the same file, {row.path}; name the file of each"
-    if row.group and row.group == earlier.group:
-        return f"both in group {row.group}; give before and after a group of their own"
     return ""
 
 
