@@ -79,12 +79,12 @@ def _assumed(numbers: xr.Dataset) -> str:
 
 def number_facts(numbers: xr.Dataset) -> list[tuple[str, str]]:
     """Return the facts that follow from the statistics of a surface, loads rising, as of `surface_facts`."""
-    hardness, closing = float(numbers.get("hardness", np.nan)), _closing(numbers)
+    closing = _closing(numbers)
     facts = {
         "rms height": unit_of(numbers, "m").text(float(numbers["rms_height"])),
         "rms gradient g": number(float(numbers["rms_gradient"])),
         "Contact modulus E*": quantity(float(numbers["contact_modulus"]), "Pa"),
-        "Hardness": unit_of(numbers, "Pa").text(hardness) if "hardness" in numbers else "",
+        "Hardness": quantity(float(numbers["hardness"]), "Pa") if "hardness" in numbers else "",
         "First yield at the surface": _first_yield(numbers, "first_yield_pressure"),
         "First yield below the surface": _first_yield(numbers, "first_subsurface_yield_pressure"),
         "Gap closes": closing,
