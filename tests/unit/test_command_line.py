@@ -305,6 +305,10 @@ def test_a_profile_is_solved(capsys):
         ("{E} --window-method hann", "--window-method = 'hann'"),
         ("solve {P} --body 1e9 0.3", "--body is given once; give it twice"),
         ("{E} --colour red", "unrecognized arguments: --colour red; see roughcontact solve --help"),
+        (
+            "init {P} --before {G} --counter-face {G}",
+            "--before, --counter-face: only single maps are compared",
+        ),
         ("{E} --pressure=5MPa", "--pressure=5MPa; the nearest option is --mean-pressure; see roughcontact"),
         (
             "solve {P} --contact-modulus 4.67 Gpascal",

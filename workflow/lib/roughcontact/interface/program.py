@@ -479,6 +479,8 @@ def _init(options: argparse.Namespace) -> int:
             raise SettingsError(f"--group {name}: {duplicates[0]} is in {groups[duplicates[0]]} already")
         groups |= dict.fromkeys(of_group, name)
         omissions += others_in_folder
+    if options.before and options.counter_face:
+        raise SettingsError("--before, --counter-face: only single maps are compared; leave one of them out")
     before, _ = collect_files([options.before] if options.before else [])
     files = list(dict.fromkeys([*before, *files, *groups]))
     columns = {name: value for name in _COLUMNS if (value := getattr(options, name))}
