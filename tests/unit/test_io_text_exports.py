@@ -108,6 +108,11 @@ def test_a_first_row_that_begins_with_a_missing_point_is_a_row(read):
     holds(height, 1e-6 * np.array([[-3.25, 2.18, 1.5, 2], [np.nan, -2.44, 3.1, 0.5]]), rtol=1e-12)
 
 
+def test_a_column_of_heights_may_begin_with_missing_points(read):
+    height = read("z in um\nNaN\nBAD\n1.5\n2.5\n3\n", **GIVEN)
+    holds(height, 1e-6 * np.array([[np.nan, np.nan, 1.5, 2.5, 3]]), rtol=1e-12)
+
+
 def test_an_empty_quoted_cell_at_the_end_of_a_file_is_a_missing_point(read):
     rows = '"1","2","3","4"\n' * 3 + '"5","6","7",""\n'
     holds(read(f'"Height"\n{rows}', **GIVEN), 1e-6 * np.array([[5, 6, 7, np.nan], *[[1, 2, 3, 4]] * 3]))

@@ -259,7 +259,11 @@ def lines_not_used(
             "step": contradicts and is_step,
             "pixels": not is_denied and "pixels" in matters and values != [1],
             "size": contradicts or off_step or strange_count or (odd_size and is_count),
-            "unit": (factors and own_factor and is_other) or (is_fraction and lengths) or is_scaled,
+            "unit": (factors and own_factor and is_other)
+            or (is_fraction and lengths)
+            or is_scaled
+            # beside one that is used
+            or (is_factor and "factor" in channel.sources),
         }
         # a line is quoted once
         if doubt := next((_DOUBTS[matter] for matter in _DOUBTS if applies[matter]), None):

@@ -112,7 +112,8 @@ def miscounted(line: str, count: int, delimiter: str | None) -> int:
         useful = [column for column in columns if column.role or column.unit]
         positions = any(column.role in ("x", "y") for column in useful)
         if 2 * len(useful) > width and len(useful) > 1 and (positions or has_delimiter):
-            return width if width != count else 0
+            only_units = statements([line]).keys() & {"lateral_unit", "height_unit"}
+            return width if width != count and not only_units else 0
     return 0
 
 
@@ -209,8 +210,9 @@ def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
     is_sentence = bool(ways) and chosen is not fitting[0] and 2 * known < count
     # "Y_um , X_um , Z_um" names columns, though its last cell alone would state a unit
     are_names = len(ways) == 1 and all(column.role and column.name.isalnum() for column in columns)
-    is_entry = any(map(_VALUE.fullmatch, cells)) or (not are_names and bool(statements([line])))
-    return [] if is_sentence or is_entry else cells
+    if is_sentence or any(map(_VALUE.fullmatch, cells)) or not cells:
+        return []
+    return [] if not are_names and statements([line]) else cells
 
 
 def _column(cell: str) -> Column:

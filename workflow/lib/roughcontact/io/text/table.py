@@ -67,6 +67,11 @@ def is_missing(cell: str) -> bool:
     return cell.lower() in _MARKERS or is_spoken(cell) or not cell.strip(_FILLING)
 
 
+def _is_marker(line: str) -> bool:
+    """Return whether a line is one word for a missing point, and no rule below headings."""
+    return is_missing(line.strip()) and any(map(str.isalnum, line))
+
+
 def is_spoken(cell: str) -> bool:
     """Return whether a cell is a word that may have another meaning beside that of a missing point."""
     return cell.lower() in _SPOKEN
@@ -194,7 +199,12 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     first_row = next((line for line in below if line.strip()), "")
     # rows with a remark beside the first points stand above the first row of numbers alone
     above = (at for at in reversed(filled) if at < bottom and not (extent and found is None))
-    start = min(takewhile(lambda at: _is_row_like(lines[at], first_row), above), default=bottom)
+    # in a column of numbers a word alone is a missing point
+    column = len(_cells(first_row)) == 1
+    points = takewhile(
+        lambda at: _is_row_like(lines[at], first_row) or (column and _is_marker(lines[at])), above
+    )
+    start = min(points, default=bottom)
     if found is not None or start < bottom:
         return lines[:start], lines[start:]
     sample = lines[filled[0]].strip() if filled else ""
