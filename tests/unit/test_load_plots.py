@@ -113,27 +113,16 @@ def test_an_interval_down_to_nothing_does_not_squeeze_what_is_drawn():
     nothing = np.full(LOADS.size, 1e-12)
     statistics = numbers().assign(relative_contact_area_lower=("load", nothing))
     for chart in (
-        load_plots.compare_areas({"ground": statistics}),
+        load_plots.compare_areas({"ground": statistics}, pressure=Unit(1e-6, "MPa")),
         load_plots.area_against_load(statistics, None),
     ):
         drawn = read_chart(chart, log="xy")
         assert 100 * AREAS.min() / drawn.y_ends[0] == near(20, 0.5)
 
 
-def test_surfaces_side_by_side_relative_to_their_gradients():
-    of_areas = numbers()[["relative_contact_area", "relative_pressure"]]
-    drawn = read_chart(load_plots.compare_areas({"ground": of_areas}), log="xy")
-    assert "mean pressure / (contact modulus × rms gradient)" in drawn.texts
-    assert_room(drawn)
-    assert drawn.labelled("ground").x == near(LOADS / 1e9)
-    assert not drawn.bars
-    persson = next(line for line in drawn.lines if line.style == drawn.legend["Persson"][1])
-    assert persson.y == near(100 * theory.persson_area(persson.x), 0.03)
-
-
 def test_every_surface_of_many_has_a_mark_of_its_own():
     results = {f"s-{k}": numbers() * (1 - k / 100) for k in range(20)}
-    drawn = read_chart(load_plots.compare_areas(results), log="xy")
+    drawn = read_chart(load_plots.compare_areas(results, pressure=Unit(1e-6, "MPa")), log="xy")
     assert [drawn.legend[name][0] for name in results] == [COLOURS[k % len(COLOURS)] for k in range(20)]
 
 

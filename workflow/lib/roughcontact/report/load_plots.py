@@ -72,23 +72,19 @@ def has_theories(statistics: xr.Dataset) -> bool:
 
 
 def compare_areas(
-    results: Mapping[str, xr.Dataset], styles: Sequence[tuple[int, int]] = (), *, pressure: Unit | None = None
+    results: Mapping[str, xr.Dataset], styles: Sequence[tuple[int, int]] = (), *, pressure: Unit
 ) -> str:
     """Draw the contact area with its interval against the load of several surfaces or cases, by their labels.
 
     `styles` has the indices of (surface, case): colours and line styles. The loads, which rise, are mean
-    pressures in the unit `pressure`, or without it relative ones, with theories.
+    pressures in the unit `pressure`.
     """
-    load_name = "mean_pressure" if pressure else "relative_pressure"
-    factor, label = (pressure.factor, load_label(pressure)) if pressure else (1.0, _RELATIVE)
-    loads = {name: result[load_name].values * factor for name, result in results.items()}
+    loads = {name: result["mean_pressure"].values * pressure.factor for name, result in results.items()}
     intervals = {name: interval_values(result, AREA) for name, result in results.items()}
     areas, lower, _ = (np.concatenate(values) for values in zip(*intervals.values(), strict=True))
     all_loads = np.concatenate([*loads.values()])
     all_areas = np.concatenate([areas, _clipped_ends(lower, areas)])
-    chart = _area_chart(all_loads, all_areas, **_WIDE, label=label)
-    if pressure is None:
-        _theory_lines(chart, all_loads)
+    chart = _area_chart(all_loads, all_areas, **_WIDE, label=load_label(pressure))
     multiple = len({case for _, case in styles}) > 1
     surfaces: dict[str, dict[str, Any]] = {}
     cases: dict[str, dict[str, Any]] = {}

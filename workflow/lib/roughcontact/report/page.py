@@ -26,7 +26,6 @@ from roughcontact.report.units import unit_of
 from roughcontact.results.collect import Entry, Failure, file_of, solved_results
 from roughcontact.results.storage import write_text
 from roughcontact.statistics.decisions import OPEN_BELOW, OPEN_PARTS
-from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 
@@ -144,7 +143,7 @@ def write_report(
         which_load=_which_load(indices, results),
         which_loads=_which_loads(rows, results, bool(shared)),
         # of so many that an index stands for them, lines over one another tell nothing
-        comparisons=[] if has_index else _comparisons(series, styles, bool(group_of_surface)),
+        comparison=None if has_index else _comparison(series, styles, bool(group_of_surface)),
         cases=[(name, table) for name, table in cases.items() if table],
         courses=[row["courses"] for row in rows],
         parts=[] if has_index else _parts(rows, folder),
@@ -194,36 +193,24 @@ def _as_download(text: str) -> str:
     return "data:text/csv;charset=utf-8;base64," + base64.b64encode(text.encode()).decode()
 
 
-def _comparisons(
+def _comparison(
     series: Mapping[Key, xr.Dataset], styles: Mapping[Key, tuple[int, int]], has_groups: bool
-) -> list[tuple[str, str]]:
-    """Return (image, caption) of area against load of all rough surfaces: in Pa, and relative to E* g.
+) -> tuple[str, str] | None:
+    """Return (image, caption) of area against load of all rough surfaces, None for a single one.
 
     `styles` is of `_line_styles`, `has_groups` whether there are groups of maps.
     """
     rough = {key: data for key, data in series.items() if np.isfinite(data["relative_pressure"]).all()}
     # the panel of a single surface has the same
     if len(rough) < 2:
-        return []
-    half_spaces = {key: data for key, data in rough.items() if facts_of_numbers(data).scaled_columns}
-    in_these_units = (
-        "Over the pressure relative to E* times the rms gradient rough surfaces fall close together; the "
-        "dark lines without marks are theories, in which the rms gradient alone stands for the surface."
-    )
+        return None
     # that of the stiffest, where the cases differ in it
     pressure = min((unit_of(data, "Pa") for data in rough.values()), key=lambda unit: unit.factor)
-    available = all(f"{AREA}_lower" in data for data in rough.values())
-    remarks = ["Bars: the ±."] if available else []
+    remarks = ["Bars: the ±."] if all(f"{AREA}_lower" in data for data in rough.values()) else []
     remarks += ["Surfaces are colours, cases are line styles."] if any(case for _, case in rough) else []
     remarks += ["The maps of a group have one colour."] if has_groups else []
-    charts = []
-    for compared, unit, text in ((rough, pressure, " ".join(remarks)), (half_spaces, None, in_these_units)):
-        if len(compared) > 1:
-            texts_by_name = {name_under(*key): data for key, data in compared.items()}
-            charts.append(
-                (compare_areas(texts_by_name, [styles[key] for key in compared], pressure=unit), text)
-            )
-    return charts
+    by_name = {name_under(*key): data for key, data in rough.items()}
+    return compare_areas(by_name, [styles[key] for key in rough], pressure=pressure), " ".join(remarks)
 
 
 def _line_styles(series: Iterable[Key], groups_by_surface: Mapping[str, str]) -> dict[Key, tuple[int, int]]:
