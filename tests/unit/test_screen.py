@@ -7,7 +7,7 @@ from random import Random
 
 import pytest
 
-from roughcontact.interface import program
+from roughcontact import errors
 from snakemake_logger_plugin_roughcontact import screen
 from snakemake_logger_plugin_roughcontact.clock import Clock
 from snakemake_logger_plugin_roughcontact.screen import ERASE, Screen, read_record
@@ -320,4 +320,4 @@ def test_a_mark_that_turns_the_direction_of_a_name_is_shown_as_an_escape():
     run = Run()
     run.tell("a\u202ecod.txt: text without a table of numbers", level=logging.ERROR)
     assert "a\\u202ecod.txt: text" in run.stream.getvalue()
-    assert screen._TURNING == program._TURNING  # the plugin imports nothing of roughcontact
+    assert screen._TURNING == errors._TURNING  # the plugin imports nothing of roughcontact
