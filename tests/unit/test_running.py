@@ -70,7 +70,7 @@ def test_init_takes_courses_and_the_other_maps_of_a_face(folder):
         np.save(folder / name, np.ones((4, 4)))
     slid = ["--wear", "coefficient=1e-7 mm³/(N m)", "distance=0.1 m 1 m 10 m", "--sliding", "speed=1e-3 0.1"]
     rubber = ["--body", "relaxation=EPDM-70", "--body", "steel", "hardness=null", "yield_stress=null"]
-    maps = ["worn.npy", "--before", "new.npy", "--counter-face", "new.npy"]
+    maps = ["worn.npy", "--before", "new.npy", "--overview", "new.npy"]
     assert main(["init", *maps, *rubber, "--mean-pressure", "2MPa", *slid]) == 0
     written = yaml.safe_load((folder / "config/config.yaml").read_text())
     assert written["contact"]["bodies"][0] == {"relaxation": "EPDM-70"}
@@ -78,7 +78,7 @@ def test_init_takes_courses_and_the_other_maps_of_a_face(folder):
     (settings,) = resolve(written).values()
     assert (settings["wear"]["distance"], settings["sliding"]["speed"]) == ([0.1, 1.0, 10.0], [1e-3, 0.1])
     table = (folder / "config/surfaces.tsv").read_text().splitlines()
-    cells = ["surface\tpath\tcounter_face\tbefore", "new\tnew.npy\tnew.npy\t", "worn\tworn.npy\tnew.npy\tnew"]
+    cells = ["surface\tpath\tbefore\toverview", "new\tnew.npy\t\tnew.npy", "worn\tworn.npy\tnew\tnew.npy"]
     assert table[-3:] == cells
 
 
