@@ -481,8 +481,8 @@ def _init(options: argparse.Namespace) -> int:
         omissions += others_in_folder
     if options.before and options.counter_face:
         raise SettingsError("--before, --counter-face: only single maps are compared; leave one of them out")
-    before, _ = collect_files([options.before] if options.before else [])
-    files = list(dict.fromkeys([*before, *files, *groups]))
+    earlier_files, _ = collect_files([options.before] if options.before else [])
+    files = list(dict.fromkeys([*earlier_files, *files, *groups]))
     columns = {name: value for name in _COLUMNS if (value := getattr(options, name))}
     settings = {name: value for name in _INITIAL.values() if (value := getattr(options, name)) is not None}
     settings |= settings_on_form(settings)
@@ -491,7 +491,7 @@ def _init(options: argparse.Namespace) -> int:
     sections = grouped(settings) | {"statistics": _derived(options)} | _sections(options, _COURSES)
     try:
         config, table = write_project(
-            files, sections=sections, columns=columns, groups=groups, before="".join(before)
+            files, sections=sections, columns=columns, groups=groups, earlier_file="".join(earlier_files)
         )
     except SettingsError as error:
         raise SettingsError(message_with_options(error)) from error

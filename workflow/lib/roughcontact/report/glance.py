@@ -134,12 +134,14 @@ def shared_loads(results: Sequence[xr.Dataset], key: str = LOAD) -> list[list[in
     ([[1, 3], [0, 1]], [])
     """
     keys = [numbers[key].values for numbers in results]
-    first, *others = keys or [np.array([])]
-    shared = [load for load in first if all(np.isclose(load, loads, rtol=1e-3).any() for loads in others)]
-    if not others or len(shared) < min(2, *(loads.size for loads in keys)):
+    first_loads, *other_loads = keys or [np.array([])]
+    shared = [
+        load for load in first_loads if all(np.isclose(load, loads, rtol=1e-3).any() for loads in other_loads)
+    ]
+    if not other_loads or len(shared) < min(2, *(loads.size for loads in keys)):
         return []
     indices = np.array([[int(np.abs(loads - load).argmin()) for load in shared] for loads in keys])
-    areas = [numbers[AREA].values[own] for numbers, own in zip(results, indices, strict=True)]
+    areas = [numbers[AREA].values[loads] for numbers, loads in zip(results, indices, strict=True)]
     return np.sort(indices[:, shown_loads(np.median(areas, axis=0))]).tolist()
 
 

@@ -327,10 +327,12 @@ def surfaces_in_words(results: Mapping[str, Load]) -> str:
         return f"{head}: {_by_word(words)}."
     if "conductance" in columns:  # which is one of several numbers
         columns = [*columns, *glance.conductances(all_data[0])]
-    asked = _known_of_all(columns, all_data)[:1]
-    if asked == ["thermal_conductance"]:  # who asks for a joint of metals may mean current
-        asked += _known_of_all(["total_electrical_resistance", "electrical_resistance"], all_data)[:1]
-    ranges = [text for name in asked if (text := _range_in_words(name, results))]
+    columns_compared = _known_of_all(columns, all_data)[:1]
+    if columns_compared == ["thermal_conductance"]:  # who asks for a joint of metals may mean current
+        columns_compared += _known_of_all(["total_electrical_resistance", "electrical_resistance"], all_data)[
+            :1
+        ]
+    ranges = [text for name in columns_compared if (text := _range_in_words(name, results))]
     return f"{head}: {'; '.join(ranges)}." if ranges else ""
 
 

@@ -67,7 +67,7 @@ def write_report(
     equal_loads = same_loads(settings)
     # of so many that an index stands for them each has a page of its own
     shared = [] if has_index else glance.shared_loads(results, "place" if equal_loads else glance.LOAD)
-    shown = dict(zip(series, shared, strict=bool(shared)))
+    loads_at_glance = dict(zip(series, shared, strict=bool(shared)))
     units = dict(zip(series, glance.glance_units(results), strict=True))
     last = dict(zip(series, indices, strict=True))
     asked = glance.asked_columns(results)
@@ -76,7 +76,7 @@ def write_report(
     for entry in finished:
         key, panel = (entry["surface"], entry["case"]), file_of(entry, "panel.html")
         of_panel = read_summary(panel)
-        loads = shown.get(key, of_panel["loads"])
+        loads = loads_at_glance.get(key, of_panel["loads"])
         numbers, cells = series[key], glance.glance_rows(series[key], units[key], loads)
         alone = len(cells) == len(finished) == 1  # then no table of loads repeats it
         if alone or len(cells) > 1:

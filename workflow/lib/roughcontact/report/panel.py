@@ -206,14 +206,14 @@ def each_load(numbers: xr.Dataset, with_maps: Sequence[int]) -> list[tuple[str, 
 
     The maps are those of the load itself or, as the words say, of the nearest of those `with_maps`.
     """
-    stated, asked = stated_loads(numbers), glance.asked_columns([numbers])
+    stated, columns = stated_loads(numbers), glance.asked_columns([numbers])
     loads, result = stated.values, []
     for index, cells in enumerate(glance.glance_rows(numbers, indices=range(loads.size))):
         text = [
             ", ".join(filter(None, (f"{glance.HEADINGS[name]} {cell.text}", cell.details, cell.known)))
             + (f" ({outcome.VERDICTS[cell.outcome]})" if cell.outcome else "")
             for name, cell in cells.items()
-            if cell.text != glance.NOT_JUDGED and name in asked
+            if cell.text != glance.NOT_JUDGED and name in columns
         ]
         nearest = int(np.argmin(np.abs(np.log(loads[list(with_maps)] / loads[index])))) if with_maps else 0
         if index not in with_maps:

@@ -119,7 +119,7 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     for name, label_kind in _COMMON_LABELS.items():
         labels = [arrays[name].values for arrays in datasets.values() if name in arrays]
         # cases may state other tangential loads
-        if labels and all(np.array_equal(labels[0], others) for others in labels):
+        if labels and all(np.array_equal(labels[0], labels_of_file) for labels_of_file in labels):
             result = result.assign_coords({name: labels[0].astype(label_kind)})
     result.attrs["source_sha256"] = json.dumps(checksums, sort_keys=True)
     selectors: dict[str, Callable[[Mapping[str, Any]], Any]] = {

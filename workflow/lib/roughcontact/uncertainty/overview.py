@@ -187,9 +187,9 @@ def transfers_of(
     places = [overview.isel(window) for window in windows_of_places(footprint.shape, overview)]
     pieces = [relevelled(piece, order) for piece in (footprint, *places, overview)]
     coarser = [piece.coarsen(y=2, x=2, boundary="trim").mean() for piece in pieces[:-1]]
-    own, *windows = (subwindow(piece, **options) for piece in pieces)
+    own_window, *windows = (subwindow(piece, **options) for piece in pieces)
     coarser_own, *coarser_windows = (subwindow(piece, **options) for piece in coarser)
-    at_places = _results(result, own, [own, *windows])
+    at_places = _results(result, own_window, [own_window, *windows])
     octave = _results(result, coarser_own, coarser_windows)  # only its gradient counts, of its own place
     transfers = {}
     for name in at_places:
@@ -199,17 +199,17 @@ def transfers_of(
     return transfers
 
 
-def _results(result: Result, own: xr.DataArray, windows: list[xr.DataArray]) -> dict[str, np.ndarray]:
+def _results(result: Result, own_window: xr.DataArray, windows: list[xr.DataArray]) -> dict[str, np.ndarray]:
     """Return the results (window, load) on their scales at loads by the gradient of the own place.
 
     With them is the gradient of the windows.
     """
-    ratio = rms_gradient(own) / rms_gradient(result.window)
+    ratio = rms_gradient(own_window) / rms_gradient(result.window)
     contact = {**result.contact, "mean_pressure": result.load * ratio}
     if contact.get("hardness"):
         contact["hardness"] *= ratio
     names = [name for name in result.values if name not in (*CONSTRICTIONS, PEAK)]
-    scaled = Result(own, contact, {name: result.values[name] for name in names})
+    scaled = Result(own_window, contact, {name: result.values[name] for name in names})
     members = scaled.members(windows).items()
     results = {name: np.ascontiguousarray(to_scale(name, values)) for name, values in members}
     return results | {GRADIENT: np.log([[rms_gradient(window)] * result.load.size for window in windows])}

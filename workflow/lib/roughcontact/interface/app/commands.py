@@ -85,8 +85,8 @@ def _is_of_plan(plan: Plan, name: str, panel: Path) -> bool:
     planned = {"statistics", *stages_after(plan.cases[split(name)[0]])}
     expected = {stage: plan.origin(stage, name, checksum) for stage in planned}
     date = panel.stat().st_mtime_ns
-    found = {stage: _origin(panel.with_name(f"{stage}.nc"), date) for stage in ("statistics", *AFTER)}
-    return {stage: origin for stage, origin in found.items() if origin} == expected
+    origins = {stage: _origin(panel.with_name(f"{stage}.nc"), date) for stage in ("statistics", *AFTER)}
+    return {stage: origin for stage, origin in origins.items() if origin} == expected
 
 
 @cache

@@ -31,12 +31,12 @@ def write_project(
     sections: Mapping[str, Mapping[str, Any]] | None = None,
     columns: Mapping[str, str] | None = None,
     groups: Mapping[str, str] | None = None,
-    before: str = "",
+    earlier_file: str = "",
 ) -> list[Path]:
     r"""Write settings and a table of the measured files into the folder `config`; return the written files.
 
     Settings of `sections` (`contact`, `form`, `statistics`), further `columns`, the same for all files,
-    `groups` (file -> name) and the file of the place `before` may be known; other settings are examples in
+    `groups` (file -> name) and the `earlier_file` of the place may be known; other settings are examples in
     comments.
 
     Examples
@@ -60,9 +60,9 @@ def write_project(
     rows = [
         row | ({"group": groups.get(row["path"], "")} if groups else {}) | of_all for row in rows_of(files)
     ]
-    for row in rows if before else ():
-        earlier = next(other["surface"] for other in rows if other["path"] == before)
-        row["before"] = "" if row["path"] == before else earlier
+    for row in rows if earlier_file else ():
+        earlier = next(earlier_row["surface"] for earlier_row in rows if earlier_row["path"] == earlier_file)
+        row["before"] = "" if row["path"] == earlier_file else earlier
     sections = sections or {}
     if any(sections.values()):
         resolve(sections)

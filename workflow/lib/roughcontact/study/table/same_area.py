@@ -60,12 +60,12 @@ def mistakes_in_areas(surfaces: Mapping[str, Surface]) -> list[SettingsError]:
 
 def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> Iterator[SettingsError]:
     """Yield the maps of a place that count as independent maps of a group: all but repeats."""
-    for place in _places(surfaces):
+    for names in _places(surfaces):
         first_of_group: dict[str, str] = {}
-        for row in map(surfaces.__getitem__, place):
-            first = first_of_group.setdefault(row.group, row.name)
-            if row.group and _first_repeated(surfaces, first) != _first_repeated(surfaces, row.name):
-                text = f"{GROUP} = {row.group}: {row.name} and {first} are the same place"
+        for row in map(surfaces.__getitem__, names):
+            first_name = first_of_group.setdefault(row.group, row.name)
+            if row.group and _first_repeated(surfaces, first_name) != _first_repeated(surfaces, row.name):
+                text = f"{GROUP} = {row.group}: {row.name} and {first_name} are the same place"
                 yield in_cell(row, GROUP, f"{text}; give before and after a group of their own")
 
 
