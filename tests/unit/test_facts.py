@@ -102,7 +102,7 @@ def test_all_that_is_known_of_a_surface():
         "Gap closes": "along x between 5.00 MPa and 20.0 MPa; along y not up to 20.0 MPa",
         "Flow through the gap": "not solved, as no seal is stated",
         "Contact modulus E*": "115 GPa",
-        "Hardness": "3000 MPa",
+        "Hardness": "3.00 GPa",
         "First yield at the surface": "at 2.00 MPa mean pressure",
     }
 

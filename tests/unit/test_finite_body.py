@@ -392,7 +392,7 @@ def test_first_yield_beyond_the_map_is_left_out_and_refuses_no_load(tmp_path, ca
     options += ["--force", "0.5N", "0.2N", "--form-radius", "5mm", "--uncertainty-sources"]
     assert main(["solve", str(file), *options]) == 0
     out = " ".join(capsys.readouterr().out.split())
-    assert "Hardness 20000 MPa" in out
+    assert "Hardness 20.0 GPa" in out
     assert "First yield" not in out
     assert " ± for " not in out  # nothing has one
     assert "at 200 mN" not in out  # the table has the other loads

@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 import roughcontact as rc
+from roughcontact.report.glance import slip_in_words
 from roughcontact.results.collect import Entry, collect_statistics
-from roughcontact.statistics.friction import slip_in_words
 from roughcontact.surface.synthetic import rough_reference_surface
 
 STEEL = {"youngs_modulus": 210e9, "poissons_ratio": 0.3, "thermal_conductivity": 50.0}

@@ -130,7 +130,6 @@ def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
     )
     assert budget_on_page["rows"][0][-1] in budget_on_page["header"]
     assert len(budget_on_page["images"]) == 4
-    assert len(budget_on_page["magnification"]) == 5  # and the conductance
     assert all(image.startswith("data:image/svg") for _, image in budget_on_page["images"])
     without_window = statistics.copy(deep=True)
     del without_window.attrs["window_reason"]

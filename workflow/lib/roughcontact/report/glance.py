@@ -22,7 +22,7 @@ from roughcontact.arguments.answers import (
     UNITS,
     USUAL,
 )
-from roughcontact.arguments.quantities import Unit, percent, quantity
+from roughcontact.arguments.quantities import Unit, number, percent, quantity
 from roughcontact.arguments.variables import Numbers, has_number, names_asked
 from roughcontact.report.allowed import allowed_in_words, fluid_in_words, stated_allowed
 from roughcontact.report.units import (
@@ -36,7 +36,6 @@ from roughcontact.report.units import (
 )
 from roughcontact.statistics import decisions
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
-from roughcontact.statistics.friction import slip_in_words
 from roughcontact.statistics.kinds import facts_of_numbers, reason_without_flow
 from roughcontact.statistics.outcome import FAILED, VERDICTS, Check
 from roughcontact.statistics.precision import is_known, precision_in_words
@@ -211,6 +210,27 @@ def load_heading(results: Sequence[xr.Dataset]) -> str:
     """
     headings = {"force" if has_number(numbers, "force") else HEADINGS[LOAD] for numbers in results}
     return headings.pop() if len(headings) == 1 else "load"
+
+
+def slip_in_words(numbers: xr.Dataset, index: int) -> str:
+    """Return how much of the contact sticks at a normal load, empty where that, or Q, is not known.
+
+    Examples
+    --------
+    >>> shares = {"stick_share": (("load", "tangential_load"), [[0.75, 0.4]]), "tangential_load": [0.3, 0.6]}
+    >>> slip_in_words(xr.Dataset(shares), 0)
+    'With the stated μ 75.0 % of the contact sticks at Q = 0.300 μP, 40.0 % at Q = 0.600 μP.'
+    """
+    if not {"stick_share", "tangential_load"} <= {*numbers.variables}:
+        return ""
+    loads, shares = (numbers[name].values for name in ("tangential_load", "stick_share"))
+    words = [
+        "full slip" if ratio == 1 else f"{percent(share)} of the contact sticks at Q = {number(ratio)} μP"
+        for ratio, share in zip(loads, shares[index], strict=True)
+        if np.isfinite(share)
+    ]
+    further = [word.replace(" of the contact sticks", "") for word in words[1:]]
+    return f"With the stated μ {', '.join(words[:1] + further)}." if words else ""
 
 
 def exact_remarks(cells: Sequence[Cell]) -> str:

@@ -3,10 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.quantities import number, percent
 from roughcontact.arguments.ranges import Shares, ends
 from roughcontact.arguments.stacks import half_spaces
 from roughcontact.contact.flash_temperature import flash_temperature
@@ -74,27 +72,6 @@ def friction_statistics(
         )
         columns = columns.merge(_drop_maps(warm))
     return columns
-
-
-def slip_in_words(numbers: xr.Dataset, index: int) -> str:
-    """Return how much of the contact sticks at a normal load, empty where that, or Q, is not known.
-
-    Examples
-    --------
-    >>> shares = {"stick_share": (("load", "tangential_load"), [[0.75, 0.4]]), "tangential_load": [0.3, 0.6]}
-    >>> slip_in_words(xr.Dataset(shares), 0)
-    'With the stated μ 75.0 % of the contact sticks at Q = 0.300 μP, 40.0 % at Q = 0.600 μP.'
-    """
-    if not {"stick_share", "tangential_load"} <= {*numbers.variables}:
-        return ""
-    loads, shares = (numbers[name].values for name in ("tangential_load", "stick_share"))
-    words = [
-        "full slip" if ratio == 1 else f"{percent(share)} of the contact sticks at Q = {number(ratio)} μP"
-        for ratio, share in zip(loads, shares[index], strict=True)
-        if np.isfinite(share)
-    ]
-    further = [word.replace(" of the contact sticks", "") for word in words[1:]]
-    return f"With the stated μ {', '.join(words[:1] + further)}." if words else ""
 
 
 def _equivalent_ratio(bodies: Sequence[Mapping[str, Any]] | None) -> float | None:
