@@ -658,6 +658,23 @@ class TestMap:
             masked = "[...document.querySelector('rect.mask').attributes].map(part => part.value).join(' ')"
             browser.wait("document.querySelectorAll('rect.mask').length === 1")
             assert browser.evaluate(masked) == "mask 0.0 -100.0 200.0 100.0"
+
+    def test_an_error_under_the_cursor_is_no_markup(self, tmp_path, browser):
+        study, file = tmp_path / "study", Path("measured/<b>ramp<b>.sdf")
+        (study / file).parent.mkdir(parents=True)
+        (study / file).write_bytes(sdf_bytes(np.outer(np.ones(32), np.arange(32) * 1e-7), 1e-6))
+        with served(study) as address:
+            browser.resize(1400)
+            show(browser, address)
+            fill_path = "document.querySelector('#path')"
+            browser.evaluate(f"{fill_path}.value = 'measured'; {fill_path}.form.requestSubmit()")
+            rows_read(browser, 1)
+            click(browser, ".thumbnail")
+            browser.wait("document.querySelector('#map image')")
+            (study / file).unlink()
+            drag(browser, (0.5, 0.5), (0.5, 0.5))
+            browser.wait(f"document.querySelector('#cursor').textContent.includes('{file}')")
+            assert browser.evaluate("document.querySelector('#cursor b') === null")
             assert browser.problems == []
 
 

@@ -78,7 +78,7 @@ async function tellHeights(address, line) {
   question.abort();  // the last one alone is answered
   question = new AbortController();
   const response = await fetch(`${address}?line=${line}`, { signal: question.signal });
-  element("cursor").innerHTML = await response.text();
+  element("cursor")[response.ok ? "innerHTML" : "textContent"] = await response.text();  // an error has the words of a file
 }
 
 function use(map, tool, { x, y, width, height }) {
