@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 import roughcontact as rc
+from roughcontact.report.facts import number_facts
 from roughcontact.report.glance import slip_in_words
 from roughcontact.results.collect import Entry, collect_statistics
 from roughcontact.surface.synthetic import rough_reference_surface
@@ -130,6 +131,8 @@ def test_sliding_of_a_shear_strength_heats_by_the_corrected_area(options):
     coefficient = options.get("coefficient", statistics["friction_coefficient"].values)
     for name in ("mean_flash_temperature", "max_flash_temperature"):
         np.testing.assert_allclose(statistics[name].values, coefficient * unit[name].values, rtol=1e-6)
+    friction = "of the stated coefficient" if options else "by the shear strength"
+    assert dict(number_facts(statistics))["Flash temperature"] == f"from the heat of the friction {friction}"
 
 
 def test_stick_and_slip_of_bodies_that_flow_are_refused_before_the_solve():

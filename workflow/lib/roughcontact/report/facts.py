@@ -91,8 +91,18 @@ def number_facts(numbers: xr.Dataset) -> list[tuple[str, str]]:
         "Flow through the gap": _FLOW_NOT_SOLVED if closing and "flow_factor_xx" not in numbers else "",
         "Adhesion": adhesion_in_words(numbers),
         "Stick and slip": numbers.attrs.get("slip_approximation", ""),
+        "Flash temperature": _friction_that_heats(numbers),
     }
     return [(name, text) for name, text in facts.items() if text]
+
+
+def _friction_that_heats(numbers: xr.Dataset) -> str:
+    """Return whose heat the flash temperatures are, empty where there are none."""
+    if "max_flash_temperature" not in numbers:
+        return ""
+    by_strength = "flash_temperature_by" in numbers.attrs
+    friction = "by the shear strength" if by_strength else "of the stated coefficient"
+    return f"from the heat of the friction {friction}"
 
 
 def size_of_contact(numbers: xr.Dataset, load: int) -> str:
