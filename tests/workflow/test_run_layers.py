@@ -1,7 +1,6 @@
 """Bodies with layers from the settings to the report, beside the same bodies without them."""
 
 import json
-import re
 
 import numpy as np
 import pandas as pd
@@ -74,13 +73,10 @@ def test_layers_go_from_the_settings_to_the_report(tmp_path, checkout):
     collected = read_dataset(project.path("results/statistics.nc"))
     together = collected["material_von_mises_stress"].sel(case="coated").values.ravel()
     np.testing.assert_array_equal(together, coated["material_von_mises_stress"].values.ravel())
-    panels = {case: project.path(f"results/{case}/ground/panel.html").read_text() for case in results_by_case}
-    converged = {case: re.findall(r"onverged[^<]*conductance", panel) for case, panel in panels.items()}
-    assert converged["plain"]
-    assert not converged["coated"]
-    assert "von Mises in the base" in panels["coated"]
-    assert "shear below layer 1" in panels["coated"]
-    assert "Stress below the surface: body 1, of the lowest yield stress stated" in panels["coated"]
+    panel = project.path("results/coated/ground/panel.html").read_text()
+    assert "von Mises in the base" in panel
+    assert "shear below layer 1" in panel
+    assert "Stress below the surface: body 1, of the lowest yield stress stated" in panel
     bands = json.loads(collected.attrs["bands"])
     assert bands["coated"]["ground"]["stresses_of"] == "body 1, of the lowest yield stress stated"
     summary = pd.read_csv(project.path("results/summary.csv"))
