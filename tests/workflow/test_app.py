@@ -571,6 +571,15 @@ class TestJobsToTheirAnswers:
 class TestMap:
     pytestmark = in_browser
 
+    def show_only_map(self, browser, address):
+        browser.resize(1400)
+        show(browser, address)
+        fill_path = "document.querySelector('#path')"
+        browser.evaluate(f"{fill_path}.value = 'measured'; {fill_path}.form.requestSubmit()")
+        rows_read(browser, 1)
+        click(browser, ".thumbnail")
+        browser.wait("document.querySelector('#map image')")
+
     def test_cursor_zoom_cut_crop_and_mask(self, tmp_path, browser):
         study = tmp_path / "study"
         (study / "measured").mkdir(parents=True)
@@ -579,13 +588,7 @@ class TestMap:
         ramp[80:, :20] = np.nan  # the upper left corner
         (study / "measured/ramp.sdf").write_bytes(sdf_bytes(ramp, 1e-6))
         with served(study) as address:
-            browser.resize(1400)
-            show(browser, address)
-            fill_path = "document.querySelector('#path')"
-            browser.evaluate(f"{fill_path}.value = 'measured'; {fill_path}.form.requestSubmit()")
-            rows_read(browser, 1)
-            click(browser, ".thumbnail")
-            browser.wait("document.querySelector('#map image')")
+            self.show_only_map(browser, address)
             size = browser.evaluate(
                 "(async () => { const image = new Image(); "
                 "image.src = document.querySelector('#map image').getAttribute('href'); "
@@ -664,13 +667,7 @@ class TestMap:
         (study / file).parent.mkdir(parents=True)
         (study / file).write_bytes(sdf_bytes(np.outer(np.ones(32), np.arange(32) * 1e-7), 1e-6))
         with served(study) as address:
-            browser.resize(1400)
-            show(browser, address)
-            fill_path = "document.querySelector('#path')"
-            browser.evaluate(f"{fill_path}.value = 'measured'; {fill_path}.form.requestSubmit()")
-            rows_read(browser, 1)
-            click(browser, ".thumbnail")
-            browser.wait("document.querySelector('#map image')")
+            self.show_only_map(browser, address)
             (study / file).unlink()
             drag(browser, (0.5, 0.5), (0.5, 0.5))
             browser.wait(f"document.querySelector('#cursor').textContent.includes('{file}')")
