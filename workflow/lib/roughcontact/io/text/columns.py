@@ -112,8 +112,7 @@ def miscounted(line: str, count: int, delimiter: str | None) -> int:
         useful = [column for column in columns if column.role or column.unit]
         positions = any(column.role in ("x", "y") for column in useful)
         if 2 * len(useful) > width and len(useful) > 1 and (positions or has_delimiter):
-            only_units = statements([line]).keys() & {"lateral_unit", "height_unit"}
-            return width if width != count and not only_units else 0
+            return width if width != count else 0
     return 0
 
 
