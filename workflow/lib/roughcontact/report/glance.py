@@ -37,6 +37,7 @@ from roughcontact.report.units import (
 from roughcontact.statistics import decisions
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.kinds import facts_of_numbers, reason_without_flow
+from roughcontact.statistics.load_pairs import same_load
 from roughcontact.statistics.outcome import FAILED, VERDICTS, Check
 from roughcontact.statistics.precision import is_known, precision_in_words
 
@@ -134,9 +135,7 @@ def shared_loads(results: Sequence[xr.Dataset], key: str = LOAD) -> list[list[in
     """
     keys = [numbers[key].values for numbers in results]
     first_loads, *other_loads = keys or [np.array([])]
-    shared = [
-        load for load in first_loads if all(np.isclose(load, loads, rtol=1e-3).any() for loads in other_loads)
-    ]
+    shared = [load for load in first_loads if all(same_load(load, loads).any() for loads in other_loads)]
     if not other_loads or len(shared) < min(2, *(loads.size for loads in keys)):
         return []
     indices = np.array([[int(np.abs(loads - load).argmin()) for load in shared] for loads in keys])

@@ -329,9 +329,8 @@ def surfaces_in_words(results: Mapping[str, Load]) -> str:
         columns = [*columns, *glance.conductances(all_data[0])]
     columns_compared = _known_of_all(columns, all_data)[:1]
     if columns_compared == ["thermal_conductance"]:  # who asks for a joint of metals may mean current
-        columns_compared += _known_of_all(["total_electrical_resistance", "electrical_resistance"], all_data)[
-            :1
-        ]
+        of_current = ["total_electrical_resistance", "electrical_resistance"]
+        columns_compared += _known_of_all(of_current, all_data)[:1]
     ranges = [text for name in columns_compared if (text := _range_in_words(name, results))]
     return f"{head}: {'; '.join(ranges)}." if ranges else ""
 
