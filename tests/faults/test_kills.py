@@ -1,5 +1,6 @@
 """The short form of the kills; the full one is a command of its own (see docs/explanation/reliability.md)."""
 
+import os
 import re
 import signal
 import socket
@@ -36,21 +37,32 @@ sys.exit(run.run(sys.argv[2:]))
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("wrapper", ["roughcontact run", "run.py", "in the background"])
-def test_nothing_goes_on_after_the_program_alone_was_terminated(tmp_path, wrapper):
-    """Snakemake has cleaned up as after Ctrl-C."""
+@pytest.mark.parametrize(
+    "wrapper", ["roughcontact run", "run.py", "in the background", "interrupted", "Ctrl-C"]
+)
+def test_nothing_goes_on_after_the_program_was_stopped(tmp_path, wrapper):
+    """Snakemake has cleaned up, whether a signal reaches the program alone or, as Ctrl-C, all of the run."""
     write_study(tmp_path, sides=(48,), cases=False)
     words_of_it = command(tmp_path, "results/surface-1/levelled.nc")
     if wrapper == "run.py":
         words_of_it = [sys.executable, "-c", RUN_PY, str(ROOT), *words_of_it]
-    ears = deaf_to_interruptions if wrapper == "in the background" else None
-    run = begin(words_of_it, log := tmp_path / "said.txt", preexec_fn=ears)
+    interrupted = wrapper in ("interrupted", "Ctrl-C")
+    heard = signal.SIG_IGN if wrapper == "in the background" else signal.default_int_handler
+    run = begin(
+        words_of_it,
+        log := tmp_path / "said.txt",
+        preexec_fn=lambda: signal.signal(signal.SIGINT, heard),  # as shells start what they do not wait for
+    )
     try:
         jobs_at_work(run, "prepare", log)
         started = family(run)[1:]
         assert len(started) >= 2
-        run.terminate()
-        assert run.wait(timeout=60) == 143
+        if wrapper == "Ctrl-C":
+            os.killpg(run.pid, signal.SIGINT)
+        else:
+            run.send_signal(signal.SIGINT if interrupted else signal.SIGTERM)
+        assert run.wait(timeout=60) == (130 if interrupted else 143)
+        assert ("Interrupted: what is finished is kept" in log.read_text()) == interrupted
         _, left = psutil.wait_procs([*started, *session(run)], timeout=30)
         assert [words(each) for each in left] == []
         assert "Traceback" not in log.read_text()
@@ -59,11 +71,6 @@ def test_nothing_goes_on_after_the_program_alone_was_terminated(tmp_path, wrappe
     finally:
         for each in session(run):
             each.kill()
-
-
-def deaf_to_interruptions():
-    """Ignore SIGINT, as shells let programs do that they start in the background."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @pytest.mark.nightly

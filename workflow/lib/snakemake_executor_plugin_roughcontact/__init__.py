@@ -11,6 +11,7 @@ import socket
 import subprocess
 import sys
 from concurrent.futures import Future
+from contextlib import suppress
 from pathlib import Path
 from threading import Lock
 from types import SimpleNamespace
@@ -57,13 +58,13 @@ class Executor(local.Executor):
         fields = {"rule": job.rule.name, **files, **{name: getattr(job, name) for name in names}}
         connection, server = self._server(script.parent)
         ours, of_job = socket.socketpair()
-        with ours:
+        status = b""  # as it stays where the server was killed
+        with ours, suppress(ConnectionError):
             with of_job:
                 socket.send_fds(connection, [b"j"], [of_job.fileno()])
             ours.sendall(pickle.dumps((str(script), SimpleNamespace(**fields))))
             ours.shutdown(socket.SHUT_WR)
             status = ours.recv(16)
-        # none where the server was killed
         if code := int(status or server.wait() or 1):
             raise subprocess.CalledProcessError(code, str(script))
 

@@ -76,6 +76,9 @@ def run_workflow(arguments: Sequence[str]) -> int:
         if not any(option.split("=")[0] in _CORES for option in arguments):
             command += ["--cores", "all"]
         code = _wait([*command, *arguments], folder, lock)
+    if code == 128 + signal.SIGINT:
+        print("Interrupted: what is finished is kept; run again to go on.", file=sys.stderr)
+        return code
     if code and folder.is_dir() and shutil.disk_usage(folder).free < 1e6:
         print(f"The disk of {folder.absolute()} is full: make room and run again.", file=sys.stderr)
     return code
@@ -129,49 +132,49 @@ def _cache(folder: Path) -> dict[str, str]:
 
 
 def _wait(command: Sequence[str], folder: Path, lock: RunLock) -> int:
-    """Run a command to its end, even after an interruption, and return its exit status."""
+    """Run a command to its end, which a signal to this process may bring; return its exit status."""
     run = lock.name or str(os.getpid())
     variables = os.environ | _cache(folder) | {VARIABLE: run}  # for its jobs
     variables["PYTHONSAFEPATH"] = "1"  # nothing in the working folder is code, for this command and its jobs
     process: subprocess.Popen | None = None
-    terminate_called = False
+    stopped_by = 0
 
-    # a termination has reached this process alone: it interrupts the command and ends its jobs
-    def terminate(*_: object) -> None:
-        nonlocal terminate_called
-        if process and not terminate_called:
-            threading.Thread(target=_interrupt, args=(process.pid, run)).start()
-        terminate_called = True
+    def stop(number: int, _: object) -> None:
+        nonlocal stopped_by
+        if process and not stopped_by:
+            threading.Thread(target=_terminate, args=(process.pid, run)).start()
+        stopped_by = stopped_by or number
 
-    in_main_thread = threading.current_thread() is threading.main_thread()  # only there are signals handled
-    previous_handler = signal.signal(signal.SIGTERM, terminate) if in_main_thread else None
+    previous_handlers = {}
+    if threading.current_thread() is threading.main_thread():  # only there are signals handled
+        previous_handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+        signal.signal(signal.SIGTERM, stop)
+        # the command does not hear it, even from a terminal, which tells both: it is told by this process
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         process = subprocess.Popen(command, env=variables, pass_fds=lock.files)
-        if terminate_called:  # while it was started
-            _interrupt(process.pid, run)
-        while True:
-            try:
-                code = process.wait()
-            except KeyboardInterrupt:
-                continue
-            lock.ended = code >= 0
-            # what Snakemake has left, which ends its jobs itself unless it was killed
-            while (terminate_called or code < 0) and end_processes(run):
-                pass
-            return 128 + signal.SIGTERM if terminate_called else code
+        # shells let what they start in the background ignore interruptions
+        if previous_handlers.get(signal.SIGINT, signal.SIG_IGN) is not signal.SIG_IGN:
+            signal.signal(signal.SIGINT, stop)
+        if stopped_by:  # while it was started
+            _terminate(process.pid, run)
+        code = process.wait()
+        lock.ended = code >= 0
+        # what Snakemake has left, which ends its jobs itself unless it was killed
+        while (stopped_by or code < 0) and end_processes(run):
+            pass
+        return 128 + stopped_by if stopped_by else code
     finally:
-        if in_main_thread:
-            signal.signal(signal.SIGTERM, previous_handler)
+        for number, handler in previous_handlers.items():
+            signal.signal(number, handler)
 
 
-def _interrupt(process_id: int, run: str) -> None:
-    """Interrupt Snakemake as Ctrl-C does, so that it cleans up, and end its jobs, which it would wait for."""
+def _terminate(process_id: int, run: str) -> None:
+    """Terminate Snakemake, so that it cleans up, and end its jobs, which it would wait for."""
     import psutil  # comes with Snakemake
 
-    # shells let what they start in the background ignore interruptions
-    is_ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     with suppress(psutil.NoSuchProcess):
         snakemake = psutil.Process(process_id)
-        snakemake.send_signal(signal.SIGTERM if is_ignored else signal.SIGINT)
+        snakemake.send_signal(signal.SIGTERM)
         while snakemake.is_running() and snakemake.status() != psutil.STATUS_ZOMBIE:
             end_processes(run, besides=process_id)  # also those that it starts until it notices
