@@ -121,12 +121,10 @@ class Compiled:
         self.threads = threads
 
     def multiply(self, spectrum, symbol):
-        rows, nx = symbol.shape
-        self._run("multiply", rows, 0, (spectrum, symbol), nx)
+        self._over_lines("multiply", (spectrum, symbol))
 
     def divide(self, spectrum, symbol, weights):
-        rows, nx = symbol.shape
-        return self._run("divide", rows, 0, (spectrum, symbol, weights), nx)[0]
+        return self._over_lines("divide", (spectrum, symbol, weights))[0]
 
     def inverse_root(self, along_y, along_x, out):
         rows, nx = out.shape
@@ -134,111 +132,91 @@ class Compiled:
         run_pass("inverse_root", rows, 0, (along_y, along_x, out), nx, threads=self.threads)
 
     def slope_power(self, spectrum, weights, along_y, along_x):
-        rows, nx = spectrum.shape
-        return self._run("slope_power", rows, 0, (spectrum, weights, along_y, along_x), nx)[0]
+        return self._over_lines("slope_power", (spectrum, weights, along_y, along_x))[0]
 
     def extent(self, field):
-        rows, nx = field.shape
-        missing, *_, lowest, highest = self._run("extent", rows, 2 * nx, (field,), nx)
+        missing, *_, lowest, highest = self._over_lines("extent", (field,), lines=2)
         return lowest, highest, int(missing)
 
     # a product takes less time than a quotient
     def make_dimensionless(self, heights, reference, unit, out):
-        rows, nx = out.shape
-        self._run("make_dimensionless", rows, 0, (heights, out), reference, 1 / unit, nx)
+        self._over_lines("make_dimensionless", (heights, out), reference, 1 / unit)
 
     def measure(self, separation, heights, reference, unit, start, previous, offset, pressure, cap):
-        rows, nx = pressure.shape
         arrays = separation, heights, start, previous, pressure
-        return tuple(self._run("measure", rows, 0, arrays, reference, 1 / unit, offset, cap, nx)[:6])
+        return tuple(self._over_lines("measure", arrays, reference, 1 / unit, offset, cap)[:6])
 
     def masked_residual(self, pressure, separation, offset, cap, values, factors, share, cell_means):
-        (ny, nx), arrays = pressure.shape, (pressure, separation, values, share, cell_means)
-        self._run("masked_residual", len(share), nx, arrays, offset, cap, ny, nx, *factors)
+        arrays = pressure, separation, values, share, cell_means
+        self._over_grid("masked_residual", arrays, offset, cap, factors=factors, blocks=share)
 
     def predict_active(self, pressure, residual, weights, stiffness, cap, values, factors, share, cell_means):
-        (ny, nx), arrays = pressure.shape, (pressure, residual, values, share, cell_means)
-        numbers = *weights, stiffness, cap, ny, nx, *factors
-        self._run("predict_active", len(share), 3 * nx + 2, arrays, *numbers)
+        arrays, numbers = (pressure, residual, values, share, cell_means), (*weights, stiffness, cap)
+        self._over_grid("predict_active", arrays, *numbers, factors=factors, blocks=share, lines=3)
 
     def advance(self, pressure, correction, inflow, coarse, factors, mean, length, cap, out, values, share):
-        (ny, nx), arrays = pressure.shape, (pressure, correction, inflow, coarse, out, values, share)
-        self._run("advance", len(share), nx, arrays, mean, length, cap, ny, nx, *factors)
+        arrays = pressure, correction, inflow, coarse, out, values, share
+        self._over_grid("advance", arrays, mean, length, cap, factors=factors, blocks=share)
 
     def redistribute(self, field, inflow, coarse, factors, free, cap):
-        (ny, nx), arrays = field.shape, (field, inflow, coarse, free)
-        return tuple(self._run("redistribute", len(coarse), nx, arrays, cap, ny, nx, *factors)[:2])
+        arrays = field, inflow, coarse, free
+        return tuple(self._over_grid("redistribute", arrays, cap, factors=factors, blocks=coarse)[:2])
 
     def project(self, field, cap, removed_load, free, factors, share):
-        ny, nx = field.shape
-        self._run("project", len(share), nx, (field, removed_load, free, share), cap, ny, nx, *factors)
+        self._over_grid("project", (field, removed_load, free, share), cap, factors=factors, blocks=share)
 
     def rescale(self, field, factor, cap):
-        rows, nx = field.shape
-        return self._run("rescale", rows, 0, (field,), factor, cap, nx)[0]
+        return self._over_lines("rescale", (field,), factor, cap)[0]
 
     def product(self, u, v):
-        rows, nx = u.shape
-        return self._run("product", rows, 0, (u, v), nx)[0]
+        return self._over_lines("product", (u, v))[0]
 
     def project_residual(self, pressure, separation, offset, cap, values):
-        rows, nx = values.shape
-        return self._run("project_residual", rows, 0, (pressure, separation, values), offset, cap, nx)[0]
+        return self._over_lines("project_residual", (pressure, separation, values), offset, cap)[0]
 
     def restore_units(self, pressure, gap, offset, pressure_unit, gap_unit, contact):
-        rows, nx = pressure.shape
         arrays, numbers = (pressure, gap, contact), (offset, pressure_unit, gap_unit)
-        total, *_, lowest, _ = self._run("restore_units", rows, nx, arrays, *numbers, nx)
+        total, *_, lowest, _ = self._over_lines("restore_units", arrays, *numbers, lines=1)
         return lowest, total
 
     def block_mean(self, field, factors, out):
-        ny, nx = field.shape
-        self._run("block_mean", len(out), nx, (field, out), ny, nx, *factors)
+        self._over_grid("block_mean", (field, out), factors=factors, blocks=out)
 
     def weigh(
         self, fine_share, share, factors, arrangement, empty, gain, next_factors, next_parts, next_share
     ):
-        (ny, nx), (fy, fx) = share.shape, factors
-        arrays, scratch = (fine_share, share, empty, gain, next_parts, next_share), (next_factors[0] + 1) * nx
-        self._run("weigh", len(next_share), scratch, arrays, ny, nx, fy * fx, arrangement, *next_factors)
+        arrays, (fy, fx) = (fine_share, share, empty, gain, next_parts, next_share), factors
+        numbers = fy * fx, arrangement, *next_factors
+        self._over_grid("weigh", arrays, factors=numbers, blocks=next_share, lines=next_factors[0] + 1)
 
     def mix(self, values, empty, coarse, factors, out):
-        ny, nx = out.shape
-        self._run("mix", len(coarse), nx, (values, empty, coarse, out), ny, nx, *factors)
+        self._over_grid("mix", (values, empty, coarse, out), factors=factors, blocks=coarse)
 
     def neighbours(self, field, weights, out):
-        ny, nx = field.shape
-        self._run("neighbours", ny, nx + 2, (field, out), *weights, ny, nx)
+        self._over_grid("neighbours", (field, out), *weights)
 
     def fill(self, values, empty, source, weights, out):
-        ny, nx = source.shape
-        self._run("fill", ny, 2 * nx + 2, (values, empty, source, out), *weights, ny, nx)
+        self._over_grid("fill", (values, empty, source, out), *weights, lines=2)
 
     def fill_from(self, values, active, coarse, factors, weights, out):
-        ny, nx = values.shape
-        arrays = values, active, coarse, out
-        self._run("fill_from", ny, 5 * nx + 2, arrays, *weights, ny, nx, *factors)
+        self._over_grid("fill_from", (values, active, coarse, out), *weights, factors=factors, lines=5)
 
     def empty_neighbours(self, field, empty, weights, out):
-        ny, nx = field.shape
-        self._run("empty_neighbours", ny, 4 * nx + 2, (field, empty, out), *weights, ny, nx)
+        self._over_grid("empty_neighbours", (field, empty, out), *weights, lines=4)
 
     def gather(self, field, empty, factors, out):
-        ny, nx = field.shape
-        self._run("gather", len(out), nx, (field, empty, out), ny, nx, *factors)
+        self._over_grid("gather", (field, empty, out), factors=factors, blocks=out)
 
     def empty_from(self, field, active, weights, inflow, factors, coarse):
-        ny, nx = field.shape
         arrays = field, active, inflow, coarse
-        self._run("empty_from", len(coarse), 5 * nx + 2, arrays, *weights, ny, nx, *factors)
+        self._over_grid("empty_from", arrays, *weights, factors=factors, blocks=coarse, lines=5)
 
     def spread(self, field, gain, coarse, factors):
-        ny, nx = field.shape
-        self._run("spread", len(coarse), nx, (field, gain, coarse), ny, nx, *factors)
+        self._over_grid("spread", (field, gain, coarse), factors=factors, blocks=coarse)
 
     def finish_restriction(self, field, inflow, coarse, factors, active):
-        (ny, nx), arrays = field.shape, (field, inflow, coarse, active)
-        return self._run("finish_restriction", len(coarse), nx, arrays, ny, nx, *factors)[0]
+        arrays = field, inflow, coarse, active
+        return self._over_grid("finish_restriction", arrays, factors=factors, blocks=coarse)[0]
 
     def small_grids(self, grids, stores, stops):
         cells = [stop - start for start, stop in pairwise(stops)]
@@ -249,14 +227,24 @@ class Compiled:
 
     def refine(self, coarse, factors, heights, weights, stiffness, cap, out):
         square, (ny, nx), (fy, fx) = store.empty(coarse.shape, coarse.dtype), coarse.shape, factors
-        self._run("continue_square", ny, 7 * nx + 20, (coarse, square), ny, nx)
+        self._over_grid("continue_square", (coarse, square), lines=10)
         arrays, scratch = (coarse, square, heights, out), (fy + 1) * nx * fx + (fy * fx + 4) * nx + 4
-        self._run("refine", ny, scratch, arrays, *weights, stiffness, cap, ny, nx, fy, fx)
+        numbers, threads = (*weights, stiffness, cap, ny, nx, fy, fx), threads_for(coarse.size, self.threads)
+        run_pass("refine", ny, scratch, arrays, *numbers, threads=threads)
 
-    def _run(self, name, rows, scratch, arrays, *numbers):
-        """Run a pass over `rows` rows, distributed over threads if its first array is large."""
-        threads = threads_for(arrays[0].size, self.threads)
-        return run_pass(name, rows, scratch, arrays, *numbers, threads=threads)
+    def _over_lines(self, name, arrays, *numbers, lines=0):
+        """Run a pass over the rows of the first array, each point by itself; return its sums."""
+        (rows, nx), threads = arrays[0].shape, threads_for(arrays[0].size, self.threads)
+        return run_pass(name, rows, lines * nx, arrays, *numbers, nx, threads=threads)
+
+    def _over_grid(self, name, arrays, *numbers, factors=(), blocks=None, lines=1):
+        """Run a pass over the grid of the first array, or over its blocks of `factors`; return its sums.
+
+        `blocks` is an array of the coarse cells; the work memory is of so many `lines` of the grid.
+        """
+        ny, nx = arrays[0].shape
+        rows, threads = ny if blocks is None else len(blocks), threads_for(arrays[0].size, self.threads)
+        return run_pass(name, rows, lines * (nx + 2), arrays, *numbers, ny, nx, *factors, threads=threads)
 
 
 class Regions:
