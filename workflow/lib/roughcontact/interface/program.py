@@ -11,7 +11,7 @@ import re
 import shlex
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
@@ -50,10 +50,6 @@ _EXAMPLES = {
     "export": "roughcontact export results/ground -o ground.xlsx",
     "crate": "roughcontact crate results --configfile config/config.yaml",
 }
-
-# options of `init` and `solve` for sections of the settings, and those of `init` alone
-_DERIVED = {name: f"statistics.{name}" for name in ("seal", "joint", "requirement", "friction")}
-_COURSES = {name: name for name in ("wear", "sliding")}
 
 # options of `init` for other settings, and for columns of the table
 _INITIAL = {
@@ -190,7 +186,6 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         from roughcontact.interface.command_line.options import add_settings
 
         add_settings(solve)
-        _add_derived(solve, _DERIVED)
 
     init = add_verb("init", _init, "write settings and a table of surfaces, to change and to run")
     init.add_argument("files", nargs="*", metavar="FILE", help="measured height maps, or folders of them")
@@ -284,49 +279,21 @@ def _endings(content: Mapping[str, str]) -> str:
 
 def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
     """Add the options of `init` for materials, loads, form, columns of the table and what is derived."""
-    from roughcontact.interface.command_line.options import add_body, add_setting
+    from roughcontact.interface.command_line.options import COURSES, add_body, add_derived, add_setting
     from roughcontact.study.table.columns import column_meaning
 
     add_body(parser)
     for option, name in _INITIAL.items():
         add_setting(parser, f"--{option}", name)
     text = "solve also the removal of the heaviest load: the shape that is left"
-    parser.add_argument("--unload", action="store_true", help=text)
+    parser.add_argument("--unload", dest="contact.unload", action="store_const", const=True, help=text)
     metavar = ("NAME", "FILE")
     parser.add_argument("--group", nargs="+", action="append", default=[], metavar=metavar, help=_GROUP)
     for column in _COLUMNS:
         option = f"--{column.replace('_', '-')}"
         parser.add_argument(option, metavar="TEXT", help=column_meaning(column))
     parser.add_argument("--before", metavar="FILE", help=_BEFORE)
-    _add_derived(parser, _DERIVED | _COURSES)
-
-
-def _add_derived(parser: argparse.ArgumentParser, sections: Mapping[str, str]) -> None:
-    """Add the options for what is derived from the contact, with `sections` of the settings by option."""
-    from roughcontact.interface.command_line.options import keys_in_words
-
-    group = parser.add_argument_group("what is derived from the contact")
-    text = "largest pressure allowed, Pa: the results then say whether it holds"
-    group.add_argument("--allowed-pressure", metavar="VALUE", help=text)
-    text = "always: solve the flow through the gap, for the verb table, without a seal, too"
-    group.add_argument("--flow", metavar="VALUE", help=text)
-    for name, section in sections.items():
-        text = keys_in_words(section).replace("%", "%%")
-        group.add_argument(f"--{name}", nargs="+", action="extend", metavar="KEY=VALUE", help=text)
-
-
-def _derived(options: argparse.Namespace) -> dict[str, Any]:
-    """Return the section `statistics` of the settings from the options of `_add_derived`."""
-    stated = {name: value for name in ("allowed_pressure", "flow") if (value := getattr(options, name))}
-    return stated | _sections(options, _DERIVED)
-
-
-def _sections(options: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
-    """Return the values of sections by their keys, from the options for these that are given."""
-    from roughcontact.interface.command_line.options import keyed
-
-    words_of = {name: words for name in names if (words := getattr(options, name)) is not None}
-    return {name: keyed(f"--{name}", words) for name, words in words_of.items()}
+    add_derived(parser, COURSES)
 
 
 def _add_overview(parser: argparse.ArgumentParser) -> None:
@@ -423,7 +390,7 @@ def _solve(options: argparse.Namespace) -> int:
     from roughcontact.interface.command_line.solving import solve_file, solve_files
 
     try:
-        settings = chosen_settings(options, _derived(options))
+        settings = chosen_settings(options)
         arguments, threads = (_read_arguments(options), settings), options.threads
         numbers: Any  # none of maps that are no group
         together, output = len(options.files) > 1, options.output
@@ -466,9 +433,7 @@ def _warnings_in_words() -> Iterator[None]:
 
 def _init(options: argparse.Namespace) -> int:
     """Write settings and table, and print the next steps."""
-    from roughcontact.arguments.kinds import settings_on_form
-    from roughcontact.arguments.settings.fields import grouped
-    from roughcontact.interface.command_line.options import message_with_options, parse_bodies
+    from roughcontact.interface.command_line.options import initial_settings, message_with_options
     from roughcontact.interface.command_line.project import collect_files, problems, write_project
 
     files, omissions = collect_files(options.files)
@@ -484,11 +449,7 @@ def _init(options: argparse.Namespace) -> int:
     earlier_files, _ = collect_files([options.before] if options.before else [])
     files = list(dict.fromkeys([*earlier_files, *files, *groups]))
     columns = {name: value for name in _COLUMNS if (value := getattr(options, name))}
-    settings = {name: value for name in _INITIAL.values() if (value := getattr(options, name)) is not None}
-    settings |= settings_on_form(settings)
-    settings |= {"contact.bodies": parse_bodies(options.body)} if options.body else {}
-    settings |= {"contact.unload": True} if options.unload else {}
-    sections = grouped(settings) | {"statistics": _derived(options)} | _sections(options, _COURSES)
+    sections = initial_settings(options)
     try:
         config, table = write_project(
             files, sections=sections, columns=columns, groups=groups, earlier_file="".join(earlier_files)

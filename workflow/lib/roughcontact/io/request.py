@@ -3,6 +3,7 @@
 import math
 from dataclasses import asdict, dataclass
 from numbers import Real
+from typing import Any
 
 from roughcontact.arguments.checking import check_choice
 from roughcontact.arguments.choices import Checksum, FirstRow, Resampling
@@ -11,7 +12,7 @@ from roughcontact.io.vocabulary import rows_of
 
 #: Options of commands that say what is missing in a file -> what they are.
 FILE_OPTIONS = dict(rows_of("options.tsv"))
-_CHOICES = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow}
+CHOICES: dict[str, Any] = {"resample": Resampling, "checksum": Checksum, "first_row": FirstRow}
 
 
 @dataclass(frozen=True)
@@ -41,8 +42,8 @@ class Request:
             # an empty cell of the table of surfaces is no argument, as a CSV reader gives it: "" or NaN
             if _is_empty(value):
                 object.__setattr__(self, name, None)
-            elif name in _CHOICES:
-                check_choice(name, value, choices=_CHOICES[name])
+            elif name in CHOICES:
+                check_choice(name, value, choices=CHOICES[name])
             elif name == "lay":
                 check_lay(value)
 

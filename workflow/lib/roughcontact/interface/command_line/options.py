@@ -6,13 +6,13 @@ Names, meanings, defaults and checks are those of `roughcontact.arguments.settin
 import os
 import re
 from argparse import ArgumentParser, Namespace, _ArgumentGroup
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from pydantic.fields import FieldInfo
-
+from roughcontact.arguments.kinds import settings_on_form
 from roughcontact.arguments.settings.fields import fields_at, grouped, is_list, section_model
+from roughcontact.arguments.settings.generated import default_value, flow
 from roughcontact.arguments.settings.models import Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.errors import SettingsError
@@ -23,6 +23,8 @@ _BODY = ("youngs_modulus", "poissons_ratio", "hardness")
 _LAYER = ("thickness", "youngs_modulus", "poissons_ratio")
 _LOADS = ("mean_pressure", "relative_pressure", "force")  # one or the other
 _SECTIONS = ("contact", "level", "window", "form", "uncertainty", "instrument")
+_DERIVED = ("allowed_pressure", "flow", "seal", "joint", "requirement", "friction")  # of the statistics
+COURSES = ("wear", "sliding")  # what follows the contact in a run
 
 
 def add_settings(parser: ArgumentParser) -> None:
@@ -31,9 +33,10 @@ def add_settings(parser: ArgumentParser) -> None:
     groups = {section: parser.add_argument_group(section, model.__doc__) for section, model in models.items()}
     elasticity, loads = (groups["contact"].add_mutually_exclusive_group() for _ in range(2))
     together = {"contact_modulus": elasticity} | dict.fromkeys(_LOADS, loads)
-    for section, key, option, _ in _options():
+    for section, key, option in _options():
         add_setting(together.get(key, groups[section]), option, f"{section}.{key}")
     add_body(elasticity)
+    add_derived(parser)
     parser.add_argument(
         "--threads",
         type=int,
@@ -44,15 +47,24 @@ def add_settings(parser: ArgumentParser) -> None:
 
 
 def add_setting(parser: ArgumentParser | _ArgumentGroup, option: str, name: str) -> None:
-    """Add the option of a setting, by its dotted name, with its meaning and its default."""
-    section, key = name.split(".")
-    field = fields_at([section])[key]
-    text, default_value = field.description or "", field.get_default(call_default_factory=True)
-    if default_value is not None:
-        default_text = " ".join(default_value) if isinstance(default_value, list) else str(default_value)
-        text += f" (default: {default_text.lower() if isinstance(default_value, bool) else default_text})"
-    several: dict[str, Any] = {"nargs": "*", "action": "extend"} if is_list(field.annotation) else {}
-    parser.add_argument(option, dest=name, metavar="VALUE", help=text.replace("%", "%%"), **several)
+    """Add the option of a setting, by its dotted name, with its meaning and its default, or its keys."""
+    *above, key = name.split(".")
+    field = fields_at(above)[key]
+    text, default = field.description or "", default_value(field)
+    form: dict[str, Any] = {"metavar": "VALUE"}
+    form |= {"nargs": "*", "action": "extend"} if is_list(field.annotation) else {}
+    if section_model(field):
+        text, form = keys_in_words(name), {"metavar": "KEY=VALUE", "nargs": "+", "action": "extend"}
+    elif default is not None:
+        text += f" (default: {' '.join(default) if isinstance(default, list) else flow(default)})"
+    parser.add_argument(option, dest=name, help=text.replace("%", "%%"), **form)
+
+
+def add_derived(parser: ArgumentParser, courses: Sequence[str] = ()) -> None:
+    """Add the options for what is derived from the contact, and for courses of a run."""
+    group = parser.add_argument_group("what is derived from the contact")
+    for name in (*(f"statistics.{key}" for key in _DERIVED), *courses):
+        add_setting(group, f"--{name.rpartition('.')[2].replace('_', '-')}", name)
 
 
 def add_body(parser: ArgumentParser | _ArgumentGroup) -> None:
@@ -155,16 +167,28 @@ def _listed(text: str) -> Any:
     return None if text == "null" else numbers if is_list and ":" not in text else text
 
 
-def chosen_settings(options: Namespace, statistics: Mapping[str, Any] | None = None) -> dict:
-    """Return the full settings of a single case, as `resolve` does, from options of `add_settings`.
+def stated_settings(options: Namespace) -> dict[str, Any]:
+    """Return the settings that options state, but for bodies, by their dotted names."""
+    settings = {}
+    for name, value in vars(options).items():
+        *above, key = name.split(".")
+        if value is not None and (field := fields_at(above).get(key)):
+            settings[name] = keyed(f"--{key}", value) if section_model(field) else value
+    return settings
 
-    `statistics` is the section of what is derived from the contact.
-    """
-    names = [f"{section}.{key}" for section, key, _, _ in _options()]
-    chosen = {name: value for name in names if (value := getattr(options, name)) is not None}
+
+def initial_settings(options: Namespace) -> dict[str, Any]:
+    """Return what options of `roughcontact init` state, by section."""
+    settings = stated_settings(options)
+    settings |= {"contact.bodies": parse_bodies(options.body)} if options.body else {}
+    return grouped(settings | settings_on_form(settings))
+
+
+def chosen_settings(options: Namespace) -> dict:
+    """Return the full settings of a single case, as `resolve` does, from options of `add_settings`."""
     literals: dict[str, Any] = {"null": None, "['null']": None, "['[]']": []}  # as in a configuration
-    config = {"contact": {}, "statistics": dict(statistics or {})} | grouped(
-        {name: literals.get(str(value), value) for name, value in chosen.items()}
+    config = {"contact": {}} | grouped(
+        {name: literals.get(str(value), value) for name, value in stated_settings(options).items()}
     )
     if config["contact"].get("contact_modulus") is None and not options.body:
         raise SettingsError(
@@ -184,7 +208,7 @@ def message_with_options(error: SettingsError) -> str:
 def _name_options(mistake: SettingsError) -> str:
     """Return the message of one mistake, with its settings replaced by their options."""
     names = {"contact.bodies": "--body"}
-    for section, key, option, _ in _options():
+    for section, key, option in _options():
         names[f"{section}.{key}"] = option
         if section == "contact":  # `solve_contact` calls its arguments so
             names[key] = option
@@ -197,10 +221,10 @@ def _name_options(mistake: SettingsError) -> str:
     return message
 
 
-def _options() -> Iterator[tuple[str, str, str, FieldInfo]]:
-    """Yield (section, key, option, field) of every setting with an option."""
+def _options() -> Iterator[tuple[str, str, str]]:
+    """Yield section, key and option of every setting with an option."""
     for section in _SECTIONS:
-        for key, field in fields_at([section]).items():
+        for key in fields_at([section]):
             if key not in _WITHOUT_OPTION:
                 prefix = "" if section == "contact" else f"{section}-"
-                yield section, key, f"--{prefix}{key.replace('_', '-')}", field
+                yield section, key, f"--{prefix}{key.replace('_', '-')}"

@@ -2,16 +2,17 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import fields
 from functools import partial
 from typing import get_args
 
 from roughcontact.arguments.checking import check_choice, marker_values
-from roughcontact.arguments.choices import Checksum, FirstRow, LayInGroup, Resampling
+from roughcontact.arguments.choices import LayInGroup
 from roughcontact.arguments.rectangles import parse_rectangles
 from roughcontact.arguments.settings.models import Instrument
 from roughcontact.arguments.units import convert_to_base_unit, unit_factor, unknown_unit
 from roughcontact.errors import SettingsError
-from roughcontact.io.request import FILE_OPTIONS
+from roughcontact.io.request import CHOICES, FILE_OPTIONS, Request
 from roughcontact.study.table.row import Mistake
 
 REQUIRED = ("surface", "path")
@@ -22,25 +23,9 @@ OVERVIEW, OVERVIEW_POSITION = "overview", "overview_position"
 NUMBERS = ("dx", "dy")
 UNITS = ("unit", "height_unit")
 REGION = ("crop", "mask")
-TEXTS = (
-    "channel",
-    *UNITS,
-    "resample",
-    "checksum",
-    "first_row",
-    "missing_value",
-    "ignore_lines",
-    "lay",
-    *REGION,
-)
+TEXTS = (*(entry.name for entry in fields(Request) if entry.name not in NUMBERS), *REGION)
 INSTRUMENT = tuple(key for key in Instrument.model_fields if key != "correct")  # prevail over the settings
-_CHOICES = {
-    "resample": Resampling,
-    "checksum": Checksum,
-    "first_row": FirstRow,
-    "lay": LayInGroup,
-    PAIR_FIRST_ROW: FirstRow,
-}
+_CHOICES = CHOICES | {"lay": LayInGroup, PAIR_FIRST_ROW: CHOICES["first_row"]}
 # of columns that no option of the program has
 _MEANINGS = {
     GROUP: "finish of the map: maps of one group have one result together, groups are compared",
