@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from roughcontact.arguments.checking import check_choice
+from roughcontact.arguments.choices import check_choice
 from roughcontact.arguments.maps import spacing
 from roughcontact.errors import HeightMapError, RoughContactError, SettingsError
 from roughcontact.results.storage import read_dataset, write_table

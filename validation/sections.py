@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from roughcontact.arguments.checking import check_choice
+from roughcontact.arguments.choices import check_choice
 from roughcontact.errors import SettingsError
 from validation import (
     SectionName,

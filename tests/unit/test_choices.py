@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from roughcontact import SettingsError, error_budget, height_map, level, periodic_window, solve_contact
 from roughcontact.arguments import choices
-from roughcontact.arguments.checking import check_choice
+from roughcontact.arguments.choices import check_choice
 from roughcontact.arguments.settings.models import Contact, Level, Uncertainty, Window
 from roughcontact.contact.elasticity.halfspace import zero_frequency_compliance
 from roughcontact.contact.elasticity.influence import INFLUENCE

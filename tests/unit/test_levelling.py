@@ -225,8 +225,8 @@ def test_maps_that_cannot_be_levelled():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"form": "plain"}, "level.form = 'plain': did you mean 'plane'"),
-        ({"fill": "harmonics"}, "level.fill = 'harmonics': did you mean 'harmonic'"),
+        ({"form": "plain"}, "form = 'plain': did you mean 'plane'"),
+        ({"fill": "harmonics"}, "fill = 'harmonics': did you mean 'harmonic'"),
         ({"form": "polynomial", "order": 0}, "level.order = 0"),
         ({"form": "polynomial", "order": 1.5}, "order = 1.5: give a whole number"),
         ({"outlier_threshold": -1}, "level.outlier_threshold = -1"),

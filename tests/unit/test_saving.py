@@ -244,7 +244,10 @@ def test_the_workbook_has_the_instrument_of_the_table(measured, tmp_path):
     ("output", "message"),
     [
         ("one.html", "-o one.html: end it with one of .csv, .xlsx, .png, .vti, .tiff, .gsf"),
-        ("one.csv", "nowhere: has no statistics.nc; name the folder of a surface in the results"),
+        (
+            "one.csv",
+            "nowhere/statistics.nc: no such file; name the statistics.nc in the folder of one surface",
+        ),
     ],
 )
 def test_what_cannot_be_exported(tmp_path, capsys, monkeypatch, output, message):
@@ -254,9 +257,10 @@ def test_what_cannot_be_exported(tmp_path, capsys, monkeypatch, output, message)
 
 
 def test_the_folder_of_a_whole_run_is_no_single_result(tmp_path, capsys):
-    rc.write_dataset(xr.Dataset(coords={"surface": ["a", "b"]}), tmp_path / "statistics.nc")
+    whole = xr.Dataset(coords={"surface": ["a", "b"], "mean_pressure": ("load", [1e6])})
+    rc.write_dataset(whole, tmp_path / "statistics.nc")
     assert main(["export", str(tmp_path), "-o", str(tmp_path / "all.csv")]) == 2
-    assert f"{tmp_path}: holds several surfaces; name the folder of one" in capsys.readouterr().err
+    assert "is of all surfaces; name the statistics.nc in the folder of one" in capsys.readouterr().err
     assert not (tmp_path / "all.csv").exists()
     rc.write_dataset(xr.Dataset(coords={"mean_pressure": ("load", [1e6])}), tmp_path / "statistics.nc")
     assert main(["export", str(tmp_path), "-o", str(tmp_path / "maps.vti")]) == 2

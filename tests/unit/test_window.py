@@ -299,9 +299,9 @@ def test_a_blended_point_counts_as_filled_where_a_filled_one_has_a_weight():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"method": "miror"}, "window.method = 'miror': did you mean 'mirror'"),
-        ({"placement": "largets"}, "window.placement = 'largets': did you mean 'largest'"),
-        ({"method": "hann"}, "window.method = 'hann'"),
+        ({"method": "miror"}, "method = 'miror': did you mean 'mirror'"),
+        ({"placement": "largets"}, "placement = 'largets': did you mean 'largest'"),
+        ({"method": "hann"}, "method = 'hann'"),
         ({"width": 0.7}, "window.width = 0.7"),
         ({"min_share": 2}, "window.min_share = 2"),
     ],

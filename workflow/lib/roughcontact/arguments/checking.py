@@ -1,11 +1,10 @@
 """Checks of height maps and of arguments that the public functions make first."""
 
-import difflib
 import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from inspect import signature
-from typing import TYPE_CHECKING, Any, cast, get_args
+from typing import TYPE_CHECKING, Any, cast
 
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
@@ -164,18 +163,6 @@ def warn_of_map(shape: tuple[int, ...], rms_gradient: float, *, stacklevel: int 
         )
     for doubt in doubts:
         warnings.warn(doubt, HeightMapWarning, stacklevel=stacklevel)
-
-
-def check_choice(key: str, value: object, choices: Any) -> None:
-    """Raise a SettingsError, with the nearest valid word, where a value is not among the choices."""
-    choices_allowed = get_args(choices)
-    if value in choices_allowed:
-        return
-    # the nearest one, as most mistakes are of spelling
-    close_matches = difflib.get_close_matches(str(value), choices_allowed, n=1)
-    hint = f"did you mean {close_matches[0]!r}? " if close_matches else ""
-    valid = " or ".join(", ".join(choices_allowed).rsplit(", ", 1))
-    raise SettingsError(f"{key} = {value!r}: {hint}choose {valid}", keys=[key])
 
 
 def check_keys(section: str, values: Mapping[str, Any] | None, function: Callable[..., Any]) -> None:

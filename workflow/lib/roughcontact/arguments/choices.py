@@ -3,7 +3,10 @@
 The settings are read before anything is computed, so this module imports nothing heavy.
 """
 
-from typing import Literal
+import difflib
+from typing import Any, Literal, get_args
+
+from roughcontact.errors import SettingsError
 
 LevelForm = Literal["none", "mean", "plane", "polynomial", "sphere", "cylinder"]
 LineAlignment = Literal["auto", "none", "jitter", "median", "matched-steps"]
@@ -33,3 +36,15 @@ Checksum = Literal["ignore"]
 Lay = Literal["across", "none"]  # of a profile
 LayInGroup = Literal["across", "along", "none"]  # of a row of the table: one along serves those across
 FirstRow = Literal["top", "bottom"]  # of a file, in the picture that programs show of it
+
+
+def check_choice(key: str, value: object, choices: Any) -> None:
+    """Raise a SettingsError, with the nearest valid word, where a value is not among the choices."""
+    choices_allowed = get_args(choices)
+    if value in choices_allowed:
+        return
+    # the nearest one, as most mistakes are of spelling
+    close_matches = difflib.get_close_matches(str(value), choices_allowed, n=1)
+    hint = f"did you mean {close_matches[0]!r}? " if close_matches else ""
+    valid = " or ".join(", ".join(choices_allowed).rsplit(", ", 1))
+    raise SettingsError(f"{key} = {value!r}: {hint}choose {valid}", keys=[key])

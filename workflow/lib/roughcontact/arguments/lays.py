@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from roughcontact.arguments.checking import check_choice
-from roughcontact.arguments.choices import Lay
+from roughcontact.arguments.choices import Lay, check_choice
 from roughcontact.errors import SettingsError
 
 ACROSS, ISOTROPIC, BOTH = "across", "none", "both"

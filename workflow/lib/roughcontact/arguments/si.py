@@ -9,11 +9,12 @@ from contextlib import suppress
 from functools import wraps
 from inspect import signature
 from types import UnionType
-from typing import Any, TypeVar, Union, cast, get_args, get_origin
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.choices import check_choice
 from roughcontact.arguments.ranges import both_ends
 from roughcontact.arguments.units import BASES, convert_to_base_unit, unit_factor, unknown_unit
 from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
@@ -77,7 +78,9 @@ _KINDS |= dict.fromkeys(_NUMBERS, "a list of numbers")
 
 
 def _kind(annotation: Any) -> tuple[Any, bool]:
-    """Return the only one of `_KINDS` that an annotation names, else None, and whether it admits None."""
+    """Return the words, or the one of `_KINDS`, that an annotation names, and whether it admits None."""
+    if get_origin(annotation) is Literal:
+        return annotation, False
     named = get_args(annotation) if get_origin(annotation) in (UnionType, Union) else [annotation]
     kinds = {kind if kind in _NUMBERS else get_origin(kind) or kind for kind in named}
     others = kinds - {type(None)}
@@ -85,7 +88,10 @@ def _kind(annotation: Any) -> tuple[Any, bool]:
 
 
 def _of_kind(name: str, value: Any, kind: Any) -> Any:
-    """Return a value of one of `_KINDS`, or raise SettingsError; a number may be text or of any library."""
+    """Return a value of a kind, or raise SettingsError; a number may be text or of any library."""
+    if get_origin(kind) is Literal:
+        check_choice(name, value, kind)
+        return value
     if kind in (bool, Mapping):
         fits = isinstance(value, (bool, np.bool_) if kind is bool else Mapping)
     elif kind in _NUMBERS:

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.checking import check_choice
-from roughcontact.arguments.choices import Influence
+from roughcontact.arguments.choices import Influence, check_choice
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.elasticity.media import elastic_medium

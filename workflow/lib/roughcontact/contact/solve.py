@@ -9,7 +9,7 @@ import xarray as xr
 
 from roughcontact.arguments import choices
 from roughcontact.arguments.bodies import check_bodies
-from roughcontact.arguments.checking import check_choice, check_positive, warn_of_map
+from roughcontact.arguments.checking import check_positive, warn_of_map
 from roughcontact.arguments.kinds import FINITE_BODY, PERIODIC_MAP, facts_of
 from roughcontact.arguments.maps import dimensions
 from roughcontact.arguments.materials import contact_modulus as modulus_of
@@ -170,7 +170,6 @@ def solve_contact(
     1.0000
     """
     material = elasticity(contact_modulus, bodies, influence, hardness)
-    check_choice("boundary", boundary, choices.Boundary)
     kind = facts_of({"boundary": boundary})
     given_loads = {"mean_pressure": mean_pressure, "force": force}
     unusual = {
@@ -190,10 +189,6 @@ def solve_contact(
             f"tolerance = {tolerance!r} must lie between {choices.MIN_TOLERANCE:g} and 1; 1e-4 serves most "
             "purposes"
         )
-    check_choice("on_failure", on_failure, choices.OnFailure)
-    check_choice("influence", influence, choices.Influence)
-    check_choice("precision", precision, choices.Precision)
-    check_choice("zero_frequency", zero_frequency, choices.ZeroFrequency)
     if not threads >= 1:
         raise SettingsError(f"threads = {threads!r}: give a whole number of 1 or more")
     if reduce is not None and not callable(reduce):

@@ -321,23 +321,9 @@ def _add_file_options(parser: argparse.ArgumentParser) -> None:
 
     group = parser.add_argument_group("information missing in the file")
     for name, text in FILE_OPTIONS.items():
-        convert, metavar = (_length, "LENGTH") if name in ("dx", "dy") else (str, "TEXT")
-        group.add_argument(f"--{name}", help=text, type=convert, metavar=metavar)
+        metavar = "LENGTH" if name in ("dx", "dy") else "TEXT"
+        group.add_argument(f"--{name}", help=text, metavar=metavar)
     _add_json(parser)
-
-
-def _length(text: str) -> float | str:
-    """Return a number, or the text itself if it is a number with a unit."""
-    from roughcontact.arguments.units import carries_unit
-
-    if carries_unit(text):
-        return text
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is neither a number nor a number with its unit (1.5um)"
-        ) from None
 
 
 def _add_json(parser: argparse.ArgumentParser) -> None:
@@ -581,8 +567,11 @@ def _export(options: argparse.Namespace) -> int:
     """Write a result of a finished run as another kind of file."""
     from roughcontact.interface.command_line import saving
 
-    is_numbers = options.folder.name == "statistics.nc" and options.folder.is_file()
-    saving.export(options.folder.parent if is_numbers else options.folder, options.output)
+    saving.check_ending(options.output, saving.EXPORTED_BY_ENDING)
+    is_numbers = options.folder.name == "statistics.nc"
+    file = options.folder if is_numbers else options.folder / "statistics.nc"
+    _read_run_statistics(str(file), single=True)
+    saving.write(options.output, file.parent, surface=file.parent.name, title=file.parent.name)
     return 0
 
 

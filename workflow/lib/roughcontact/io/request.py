@@ -5,8 +5,7 @@ from dataclasses import asdict, dataclass
 from numbers import Real
 from typing import Any
 
-from roughcontact.arguments.checking import check_choice
-from roughcontact.arguments.choices import Checksum, FirstRow, Resampling
+from roughcontact.arguments.choices import Checksum, FirstRow, Resampling, check_choice
 from roughcontact.arguments.lays import check_lay
 from roughcontact.io.vocabulary import rows_of
 

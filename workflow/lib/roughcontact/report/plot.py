@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.checking import check_choice, check_solution
+from roughcontact.arguments.checking import check_solution
+from roughcontact.arguments.choices import check_choice
 from roughcontact.arguments.quantities import percent
 from roughcontact.arguments.si import as_si
 from roughcontact.errors import SettingsError

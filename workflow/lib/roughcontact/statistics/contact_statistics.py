@@ -9,7 +9,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import AREA, CONDUCTANCE, ENDS, GAP, OPPOSITE_ENDS, PEAK
 from roughcontact.arguments.bodies import check_bodies
-from roughcontact.arguments.checking import check_choice, check_keys, check_solution, warn_of_map
+from roughcontact.arguments.checking import check_keys, check_solution, warn_of_map
 from roughcontact.arguments.choices import Extra
 from roughcontact.arguments.finite_body import recover_roughness
 from roughcontact.arguments.kinds import FINITE_BODY, KindFacts, facts_of
@@ -166,8 +166,6 @@ def contact_statistics(
                 f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
             )
     check_solution(contact)
-    check_choice("flow", flow, Extra)
-    check_choice("stress", stress, Extra)
     check_keys("friction", friction, friction_statistics)
     bodies = bodies and named_bodies(bodies)
     kind, medium = facts_of(contact.attrs), recorded_medium(contact.attrs)

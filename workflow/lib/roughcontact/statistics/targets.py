@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.checking import check_choice, check_positive
-from roughcontact.arguments.choices import LoadTarget
+from roughcontact.arguments.checking import check_positive
+from roughcontact.arguments.choices import LoadTarget, check_choice
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.si import as_si

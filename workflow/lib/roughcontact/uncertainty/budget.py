@@ -5,8 +5,8 @@ from typing import Any
 
 import xarray as xr
 
-from roughcontact.arguments.checking import check_choice, check_labelled
-from roughcontact.arguments.choices import UncertaintySource
+from roughcontact.arguments.checking import check_labelled
+from roughcontact.arguments.choices import UncertaintySource, check_choice
 from roughcontact.arguments.ranges import ends, name_of_range
 from roughcontact.arguments.si import as_si
 from roughcontact.contact.solve import solve_contact

@@ -10,8 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from roughcontact.arguments.checking import check_choice
-from roughcontact.arguments.choices import ZeroFrequency
+from roughcontact.arguments.choices import ZeroFrequency, check_choice
 from roughcontact.contact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.errors import SettingsError
 from roughcontact.kernels.arrays import (

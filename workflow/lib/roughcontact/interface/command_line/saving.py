@@ -73,19 +73,6 @@ def check_ending(output: Path, endings: Collection[str]) -> None:
         raise SettingsError(f"-o {output}: end it with one of {', '.join(endings)}")
 
 
-def export(folder: Path, output: Path) -> None:
-    """Write a result of a finished run, the folder of its statistics.nc, as another kind of file."""
-    check_ending(output, EXPORTED_BY_ENDING)
-    if not (folder / "statistics.nc").is_file():
-        raise InputFileError(f"{folder}: has no statistics.nc; name the folder of a surface in the results")
-    from roughcontact.results.storage import opened_dataset
-
-    with opened_dataset(folder / "statistics.nc") as statistics:
-        if "surface" in statistics.dims:
-            raise InputFileError(f"{folder}: holds several surfaces; name the folder of one of them in it")
-    _write(output, folder, surface=folder.name, title=folder.name)
-
-
 def needs_maps(output: Path) -> bool:
     """Return whether a file needs the maps of pressure and gap."""
     return output.suffix.lower() not in _WITHOUT_MAPS
@@ -114,10 +101,10 @@ def save(
         write_text(_page(name, folder, chain, height, settings), output)
     else:
         write_dataset(chain.statistics, folder / "statistics.nc")
-        _write(output, folder, surface=name, title=Path(source).name)
+        write(output, folder, surface=name, title=Path(source).name)
 
 
-def _write(output: Path, folder: Path, *, surface: str, title: str) -> None:
+def write(output: Path, folder: Path, *, surface: str, title: str) -> None:
     """Write a file of results from statistics.nc and, for maps, contact.nc of a folder."""
     from roughcontact.results.storage import opened_dataset, read_dataset, write_table
 

@@ -6,8 +6,8 @@ from dataclasses import fields
 from functools import partial
 from typing import get_args
 
-from roughcontact.arguments.checking import check_choice, marker_values
-from roughcontact.arguments.choices import LayInGroup
+from roughcontact.arguments.checking import marker_values
+from roughcontact.arguments.choices import LayInGroup, check_choice
 from roughcontact.arguments.rectangles import parse_rectangles
 from roughcontact.arguments.settings.models import Instrument
 from roughcontact.arguments.units import convert_to_base_unit, unit_factor, unknown_unit

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.checking import check_choice, check_map
+from roughcontact.arguments.checking import check_map
 from roughcontact.arguments.choices import MAX_ORDER, Fill, LevelForm, LineAlignment
 from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.measurement import json_attribute, json_attributes
@@ -109,7 +109,7 @@ def level(
     >>> levelled.attrs["filled_points"], f"{levelled.attrs['Sq']:.2g} m"
     (8, '9.7e-10 m')
     """
-    _check_options(form, order, line_alignment, fill, max_missing)
+    _check_options(form, order, max_missing)
     _check_positive("every point", outlier_threshold=outlier_threshold, scar_threshold=scar_threshold)
     values = check_map(height)
     step = spacing(height)
@@ -188,11 +188,8 @@ def level(
     )
 
 
-def _check_options(form: str, order: int, line_alignment: str, fill: str, max_missing: float) -> None:
+def _check_options(form: str, order: int, max_missing: float) -> None:
     """Raise SettingsError for an invalid option."""
-    check_choice("level.form", form, LevelForm)
-    check_choice("level.line_alignment", line_alignment, LineAlignment)
-    check_choice("level.fill", fill, Fill)
     if form == "polynomial" and not 1 <= order <= MAX_ORDER:
         raise SettingsError(f"level.order = {order!r}: give a whole number from 1 to {MAX_ORDER}")
     if not 0 <= max_missing <= 1:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.checking import check_choice, check_map
+from roughcontact.arguments.checking import check_map
 from roughcontact.arguments.choices import Placement, WindowMethod
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.measurement import json_attribute, json_attributes
@@ -117,8 +117,6 @@ def periodic_window(
     >>> window.shape, round(float(window.attrs["window_share"]), 3)
     ((100, 108), 0.923)
     """
-    check_choice("window.placement", placement, Placement)
-    check_choice("window.method", method, WindowMethod)
     if not 0 <= width <= 0.5:
         raise SettingsError(f"window.width = {width!r}: give a share of the side from 0 to 0.5")
     if not 0 <= min_share <= 1:
