@@ -24,7 +24,6 @@ from roughcontact.arguments.answers import (
 )
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.interface.command_line import answers
-from roughcontact.report.cases import case_table
 from roughcontact.report.glance import HEADINGS, LOAD, NOT_JUDGED, asked_columns, glance_rows, headings_of
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import group_rows
@@ -138,24 +137,16 @@ def test_the_words_of_each_load_are_those_of_its_cells(result):
             assert (words in text) == (cell.text != "not judged" and name in asked_columns([result]))
 
 
-def test_all_numbers_and_the_cases_have_the_same_digits(result):
+def test_all_numbers_have_the_same_digits(result):
     columns = {}
     for section in number_tables(result, [[]] * result.sizes["load"]):
         for (title, unit, _), *cells in zip(
             section["header"], *(row["cells"] for row in section["rows"]), strict=True
         ):
             columns.setdefault(title, (unit, cells))
-    sections = {
-        section["title"]: section["rows"] for section in case_table({"one": result, "two": result})["groups"]
-    }
     for name in COMPARED:
         digits, units = zip(*(expected(result, name, load) for load in loads_of(result)), strict=True)
         assert columns[TITLES[name]] == (units[0], list(digits))
-        for text, row in zip(digits, sections[TITLES[name]], strict=True):
-            assert row[1].replace("(", "").replace(")", "") == f"{text} {units[0]}".replace("(", "").replace(
-                ")", ""
-            )
-            assert row[1] == row[2]
 
 
 def test_a_group_of_one_map_has_the_cells_of_the_map(result):

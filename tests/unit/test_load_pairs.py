@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.report.cases import case_table
+from roughcontact.report.differences import case_rows
 from roughcontact.results.comparison import compare_statistics
 from roughcontact.statistics.load_pairs import SAME_LOAD, common_loads, interpolated, paired_loads
 from roughcontact.uncertainty.differences import compare_maps
@@ -38,9 +38,8 @@ def test_every_comparison_takes_the_same_loads_for_the_same(shift, same):
     assert paired_loads(first, second)[0].size == (3 if same else 0)
     runs = compare_statistics(first, second, share=0.01)
     assert ("mean_pressure" in set(runs["quantity"])) == (not same)
-    table = case_table({"one": first, "two": second})
-    assert bool(table["groups"]) == same
-    assert bool(table["apart"]) == (not same)
+    rows, disjoint = case_rows({"one": first, "two": second})
+    assert (bool(rows), bool(disjoint)) == (same, not same)
     group = rc.group_statistics([first, second])
     interpolates = any("interpolated" in text for text in [group.attrs["remarks"]])
     assert interpolates == (not same)

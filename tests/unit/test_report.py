@@ -33,7 +33,7 @@ from roughcontact.errors import InputFileError
 from roughcontact.evaluation.evaluate import evaluate
 from roughcontact.report import map_plots
 from roughcontact.report.budget_plots import shown_budget
-from roughcontact.report.cases import case_medians, case_table
+from roughcontact.report.differences import case_rows
 from roughcontact.report.gather import write_results
 from roughcontact.report.glance import shown_loads
 from roughcontact.report.page import _series, write_report
@@ -1102,7 +1102,21 @@ def area_between(area, down, up, load=1e6):
     return numbers_at(load, relative_contact_area=area, **ends)
 
 
-def test_cases_are_compared_with_their_difference():
+def shown_case_rows(cases, **options):
+    """Return {second against first: {quantity: [ratio and its interval at each load]}}, loads under "at"."""
+    rows, disjoint = case_rows(cases, **options)
+    found = {
+        f"{row['second']} against {row['first']}": {"at": row["loads"]}
+        | {
+            part["quantity"]: [" ".join(filter(None, cell[:2])) for cell in part["cells"]]
+            for part in row["rows"]
+        }
+        for row in rows
+    }
+    return found, disjoint
+
+
+def test_cases_are_compared_by_their_ratio_without_what_both_share():
     case_a = numbers_at(
         *(1e6, 2e6),
         relative_contact_area=[0.1, 0.2],
@@ -1117,17 +1131,21 @@ def test_cases_are_compared_with_their_difference():
     case_b = case_b.assign(
         {f"mean_gap_{bound}": ("load", [value, np.nan]) for bound, value in bounds.items()}
     )
-    areas, _, gaps, _ = case_table({"one": case_a, "two": case_b}, equal_loads=True)["groups"]
-    assert areas["rows"][1] == ["2.00 MPa / 4.00 MPa", "20.0 %", "40.0 %", "100 %"]
+    found, disjoint = shown_case_rows({"one": case_a, "two": case_b}, equal_loads=True)
+    row = found["two against one"]
+    assert disjoint == []
+    assert (row["at"], row["contact area"]) == (["1.00 MPa / 2.00 MPa", "2.00 MPa / 4.00 MPa"], ["2.00"] * 2)
     # independent where nothing is known of what both share: 2 e^(± hypot(0.03, 0.04)) = 1.902 to 2.103
-    assert gaps["rows"][0][1:] == ["(2.000 ± 0.061) µm", "(4.00 ± 0.16) µm", "(100 ± 10) %"]
-    assert gaps["rows"][1][-1] == "–"
-    assert case_table({"one": case_a}) is None
+    assert row["mean gap"] == ["2.00 1.90 to 2.10", "–"]  # a closed gap is no multiple of another
+    assert case_rows({"one": case_a}) == ([], [])
     # on bodies of finite size the force is what both share
-    bodies = {name: data.assign(force=("load", [1.0, 2.0])) for name, data in (("a", case_a), ("b", case_b))}
-    table = case_table(bodies, equal_loads=True)
-    assert table["load"] == "load"
-    assert [row[0] for row in table["groups"][0]["rows"]] == ["1.00 N", "2.00 N"]
+    radius = ("load", [1e-5, 2e-5])
+    bodies = {
+        name: data.assign(force=("load", [1.0, 2.0]), contact_radius=radius)
+        for name, data in (("a", case_a), ("b", case_b))
+    }
+    found, _ = shown_case_rows(bodies, equal_loads=True)
+    assert found["b against a"]["at"] == ["1.00 N", "2.00 N"]
 
 
 def test_differences_of_cases_reach_as_far_as_the_ends_of_both_intervals():
@@ -1135,29 +1153,12 @@ def test_differences_of_cases_reach_as_far_as_the_ends_of_both_intervals():
         ends = {"mean_gap_lower": gap * np.exp(-down), "mean_gap_upper": gap * np.exp(up)}
         return numbers_at(1e6, mean_gap=gap, **ends)
 
-    table = case_table({"one": case(1e-6, 0.3, 0.01), "two": case(2e-6, 0.01, 0.4)})
+    found, _ = shown_case_rows({"one": case(1e-6, 0.3, 0.01), "two": case(2e-6, 0.01, 0.4)})
     # up: 2 e^hypot(0.4, 0.3) = 3.297, down: 2 e^-hypot(0.01, 0.01) = 1.972
-    assert table["groups"][2]["rows"][0][-1] == "(100 −3 +130) %"
-    assert table["differences"] == ["two against one"]
-    closed = case_table({"one": case(1e-11, 0.3, 0.01), "two": case(2e-6, 0.01, 0.4)})
-    assert closed["groups"][2]["rows"][0][1:] == ["< 0.001 µm", "(2.000 −0.020 +0.98) µm", "–"]
+    assert found["two against one"]["mean gap"] == ["2.00 1.97 to 3.30"]
 
 
-def test_loads_of_cases_are_named_by_what_they_have_in_common():
-    def surface(modulus, load):
-        area = np.nextafter(1.0, modulus)  # 1 against 1 + 2e-16 is no difference
-        return numbers_at(load, relative_pressure=load / modulus, relative_contact_area=area)
-
-    soft, hard, stiff = surface(0.5, 0.01), surface(1e9, 2e7), surface(2e9, 2e7)
-    for cases, load_text in (((soft, hard), "0.0200 E* g"), ((hard, stiff), "20.0 MPa")):
-        named = dict(zip(("one", "two"), cases, strict=True))
-        for table in (case_table(named), case_medians([named, named])):
-            row = table["groups"][0]["rows"][0]
-            assert row[0] == load_text
-            assert row[-1] in ("0 %", "0 % (0 to 0)")
-
-
-def test_the_load_of_a_target_is_compared_with_that_of_the_other_case():
+def test_stated_loads_of_cases_are_compared_with_one_another_and_those_of_a_target():
     names = ("mean_contact_pressure", "max_pressure", "mean_gap", "relative_contact_area")
 
     def surface(*pressures):
@@ -1169,12 +1170,10 @@ def test_the_load_of_a_target_is_compared_with_that_of_the_other_case():
         (series,) = _series(data.expand_dims("surface")).values()
         return series
 
-    soft, stiff, third = (on_the_page(surface(5e7, 2e8, target)) for target in (1e8, 4e8, 3e8))
-    (table,) = case_table({"one": soft, "two": stiff}, equal_loads=True)["groups"][:1]
-    assert [row[0] for row in table["rows"]] == ["50.0 MPa", "100 MPa / 400 MPa", "200 MPa"]
-    assert [row[1:3] for row in table["rows"]] == [[text] * 2 for text in ("30.0 %", "10.0 %", "40.0 %")]
-    medians = case_medians([{"one": soft, "two": stiff}, {"one": stiff, "two": third}], equal_loads=True)
-    assert [row[1][:6] for row in medians["groups"][0]["rows"]] == ["30.0 %", "10.0 %", "40.0 %"]
+    soft, stiff = (on_the_page(surface(5e7, 2e8, target)) for target in (1e8, 4e8))
+    found, _ = shown_case_rows({"one": soft, "two": stiff}, equal_loads=True)
+    assert found["two against one"]["at"] == ["50.0 MPa", "100 MPa / 400 MPa", "200 MPa"]
+    assert found["two against one"]["contact area"] == ["1.00"] * 3
 
 
 def test_cases_are_compared_at_the_loads_that_they_share_and_at_no_others():
@@ -1183,26 +1182,14 @@ def test_cases_are_compared_at_the_loads_that_they_share_and_at_no_others():
         return numbers_at(*loads, relative_contact_area=areas, relative_pressure=relative)
 
     case_a = case(1e6, 2e6, 5e6)
-    common_loads = {"one": case_a, "two": case(2e6, 3e6, 5e6)}
-    for table in (
-        case_table(common_loads),
-        case_table(common_loads, equal_loads=False),
-        case_medians([common_loads]),
-    ):
-        areas = [[row[0], row[1][:4], row[-1][:3]] for row in table["groups"][0]["rows"]]
-        assert areas == [["2.00 MPa", "2.00", "0 %"], ["5.00 MPa", "5.00", "0 %"]]
-        assert not table["apart"]
+    found, disjoint = shown_case_rows({"one": case_a, "two": case(2e6, 3e6, 5e6)})
+    assert found["two against one"]["at"] == ["2.00 MPa", "5.00 MPa"]
+    assert found["two against one"]["contact area"] == ["1.00"] * 2
+    assert disjoint == []
     # 5 MPa is a load of both, but all three are the same ones relative to E* g
-    stiffer = case_table({"one": case_a, "two": case(5e6, 1e7, 2.5e7, modulus=5e9)})
-    assert len(stiffer["groups"][0]["rows"]) == 3
-    no_common_loads = {"one": case_a, "two": case(4.95e3, 9.9e3, 2e4)}
-    message = (
-        "The cases have no load in common (one: 1.00 MPa to 5.00 MPa; two: 4.95 kPa to 20.0 kPa), so that "
-        "their numbers cannot be compared: give them the same contact.mean_pressure, relative_pressure or "
-        "target."
-    )
-    for table in (case_table(no_common_loads), case_medians([no_common_loads])):
-        assert (table["groups"], table["apart"]) == ([], message)
+    stiffer, _ = shown_case_rows({"one": case_a, "two": case(5e6, 1e7, 2.5e7, modulus=5e9)})
+    assert len(stiffer["two against one"]["at"]) == 3
+    assert case_rows({"one": case_a, "two": case(4.95e3, 9.9e3, 2e4)}) == ([], [("one", "two")])
 
 
 def load_case(*loads, gap=1e-6):
@@ -1213,36 +1200,27 @@ def load_case(*loads, gap=1e-6):
 
 def test_each_two_of_three_cases_are_compared_at_the_loads_that_these_two_share():
     cases = {"one": load_case(1.0, 2.0), "two": load_case(2.0, 5.0, gap=2e-6), "three": load_case(1.0, 5.0)}
-    for table in (case_table(cases), case_medians([cases, cases])):
-        assert table["differences"] == ["two against one", "three against one", "three against two"]
-        gaps = [[cell.split(" (")[0] for cell in row] for row in table["groups"][2]["rows"]]
-        narrow = "1.00 µm"
-        assert gaps == [
-            ["1.00 MPa", narrow, "–", narrow, "–", "0 %", "–"],
-            ["2.00 MPa", narrow, "2.00 µm", "–", "100 %", "–", "–"],
-            ["5.00 MPa", "–", "2.00 µm", narrow, "–", "–", "−50.0 %"],
-        ]
-        assert not table["apart"]
-    # a load that all share has one row; a pair without one is named, the others are compared
+    found, disjoint = shown_case_rows(cases)
+    assert {pair: (row["at"], row["mean gap"]) for pair, row in found.items()} == {
+        "two against one": (["2.00 MPa"], ["2.00"]),
+        "three against one": (["1.00 MPa"], ["1.00"]),
+        "three against two": (["5.00 MPa"], ["0.500"]),
+    }
+    assert disjoint == []
+    # a pair without a load in common is named, the others are compared
     cases = {"one": load_case(1.0, 2.0), "two": load_case(2.0, 5.0), "three": load_case(5.0, 9.0)}
-    table = case_table(cases)
-    assert table["differences"] == ["two against one", "three against two"]
-    assert [row[0] for row in table["groups"][0]["rows"]] == ["2.00 MPa", "5.00 MPa"]
-    assert table["apart"].startswith(
-        "one and three have no load in common (one: 1.00 MPa to 2.00 MPa; three: 5.00 MPa to 9.00 MPa), so"
-    )
-    four = case_table(cases | {"four": load_case(1.0, 2.0, 5.0)})
-    assert four["differences"] == ["two against one", "four against one"]
+    found, disjoint = shown_case_rows(cases)
+    assert [*found] == ["two against one", "three against two"]
+    assert disjoint == [("one", "three")]
+    four, _ = shown_case_rows(cases | {"four": load_case(1.0, 2.0, 5.0)})
+    assert [*four] == ["two against one", "four against one"]
 
 
-def test_a_difference_that_is_nearly_certain_has_no_more_digits_than_a_hundredth_of_a_percent():
-    # of independent errors: 1.11 hypot(0.111 %, 0.1 %) = 0.166 %; of some 15 % as a factor, up and down
-    for half, difference_text in ((1e-9, "11.11 %"), (1e-4, "(11.11 ± 0.17) %"), (0.01, "(11 −15 +18) %")):
-        table = case_table({"one": area_between(0.09, half, half), "two": area_between(0.1, half, half)})
-        assert table["groups"][0]["rows"][0][-1] == difference_text
-    # −0 is written 0
-    table = case_table({"one": area_between(0.1, 0.02, 0.02), "two": area_between(0.09999, 0.02, 0.02)})
-    assert table["groups"][0]["rows"][0][-1].startswith("(0 ")
+def test_a_ratio_that_is_nearly_certain_has_no_more_digits_than_a_thousandth():
+    # of independent errors: 1.11 hypot(0.111 %, 0.1 %) = 0.166 %
+    for half, text in ((1e-9, "1.1111"), (1e-4, "1.1111 1.1095 to 1.1128"), (0.01, "1.11 0.957 to 1.29")):
+        both = {name: area_between(area, half, half) for name, area in (("one", 0.09), ("two", 0.1))}
+        assert shown_case_rows(both)[0]["two against one"]["contact area"] == [text]
 
 
 def test_the_page_says_that_cases_share_no_load(tmp_path):
@@ -1255,7 +1233,7 @@ def test_the_page_says_that_cases_share_no_load(tmp_path):
     settings = {case: {"contact": contact | {"mean_pressure": loads}} for case, loads in cases.items()}
     text = assemble(tmp_path, runs, settings=settings).read_text(encoding="utf-8")
     part = text.partition('<section id="cases">')[2].partition("</section>")[0]
-    assert "no load in common (soft: 1.00 MPa to 2.00 MPa; hard: 4.00 MPa to 5.00 MPa)" in part
+    assert "one: soft and hard have no load in common" in part
     assert "<table" not in part
     # a target may take other loads
     target = {name: {"contact": contact | {"target_area": [0.1, 0.2]}} for name in settings}
@@ -1266,15 +1244,13 @@ def test_the_page_says_that_cases_share_no_load(tmp_path):
 @in_browser
 def test_loads_have_a_row_of_their_own_on_a_phone(many, tmp_path):
     text = assemble(tmp_path, many[::7]).read_text(encoding="utf-8")
-    # words in a last cell, as of differences between groups
-    text = re.sub(r'(<td data-label="[^"]*")>([^<]*</td></tr>)', r'\1 class="text outcome">\2', text)
     probe = """<script>addEventListener("load", () => {
       const inside = document.querySelector("iframe").contentDocument;
       const width = part => inside.querySelector(part).getBoundingClientRect().width;
       const ends = part => inside.querySelector(part).getBoundingClientRect().right;
       const said = [width(".cases td") / width(".cases tbody tr"), width(".loads input") / width(".loads")];
       said.push(ends(".loads input") / ends(".loads"));
-      said.push(width(".cases td.outcome") / width(".cases tbody tr"));
+      said.push(width(".cases td.text") / width(".cases tbody tr"));
       document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
     });</script>"""
     frame = f'<iframe style="width:400px;height:900px;border:0" srcdoc="{html.escape(text)}"></iframe>'
@@ -1368,63 +1344,6 @@ def test_a_file_that_fails_under_several_cases_is_listed_once(many, tmp_path, re
     assert "3 without results" in text
     assert text.count("bad.txt: empty") == text.count("soft, hard<") == 1
     assert text.count('<tr class="failure"') == 2
-
-
-def test_medians_of_many_surfaces_and_where_most_of_them_lie():
-    def surface(area):
-        return numbers_at(1e6, relative_contact_area=area)
-
-    surfaces = [{"one": surface(k / 100), "two": surface(2 * k / 100)} for k in range(11)]
-    table = case_medians([*surfaces, {"one": surface(0.9)}])
-    assert table["surfaces"] == 11
-    areas = table["groups"][0]["rows"][0]
-    assert areas == ["1.00 MPa", "5.00 % (1.00 to 9.00)", "10.0 % (2.00 to 18.0)", "100 % (100 to 100)"]
-
-
-def test_medians_hold_all_surfaces_that_share_a_load_wherever_it_stands():
-    """Targets differ from surface to surface, so that a stated load is not the same one of each."""
-
-    def surface(area, loads):
-        return numbers_at(*loads, relative_contact_area=[area * load / 1e6 for load in loads])
-
-    surfaces = [
-        {"one": surface(0.1, [1e6, 3e6]), "two": surface(0.2, [1e6])},
-        {"one": surface(0.3, [5e5, 1e6]), "two": surface(0.6, [2e5, 1e6])},
-        {"one": surface(0.2, [1e6, 4e6]), "two": surface(0.4, [7e5, 1e6])},
-    ]
-    table = case_medians(surfaces)
-    assert table["surfaces"] == 3
-    row = table["groups"][0]["rows"][0]
-    assert row == ["1.00 MPa", "20.0 % (12.0 to 28.0)", "40.0 % (24.0 to 56.0)", "100 % (100 to 100)"]
-
-
-def test_medians_of_differences_end_at_a_hundredth_of_a_percent():
-    surfaces = [
-        {"one": load_case(1.0), "two": load_case(1.0, gap=1e-6 * (1 + k))} for k in (-3e-7, 2e-5, 0.1)
-    ]
-    row = case_medians(surfaces)["groups"][2]["rows"][0]
-    assert row[-1] == "0.00 % (0.00 to 8.00)"
-
-
-def test_of_many_surfaces_it_is_counted_how_many_differ_by_more_than_their_interval():
-    narrow, wide = (0.01, 0.01), (0.01, 0.11)
-    # 0.2 against 0.1 is clear; not so, where 0.1 may be 0.21
-    surfaces = [
-        *({"one": area_between(0.1, *narrow), "two": area_between(0.2, *narrow)} for _ in range(3)),
-        {"one": area_between(0.1, *wide), "two": area_between(0.2, *narrow)},
-        {"one": area_between(0.2, *narrow), "two": area_between(0.1, *narrow)},
-        {"one": numbers_at(1e6, relative_contact_area=0.1), "two": area_between(0.2, *narrow)},
-    ]
-    areas, _, gaps, _ = case_medians(surfaces)["groups"]
-    assert areas["rows"][0][-1] == "100 % (25.0 to 100); beyond ± 4 of 5"
-    assert gaps["rows"][0][-1] == "0 % (0 to 0)"
-
-
-@pytest.mark.parametrize(("area_b", "clear"), [(0.1005, 1), (0.0995, 1), (0.10001, 0)])
-def test_a_small_difference_counts_where_it_is_beyond_its_interval(area_b, clear):
-    cases = {"one": area_between(0.1, 1e-4, 1e-4), "two": area_between(area_b, 1e-4, 1e-4)}
-    areas, *_ = case_medians([cases])["groups"]
-    assert areas["rows"][0][-1].endswith(f"; beyond ± {clear} of 1")
 
 
 @in_browser

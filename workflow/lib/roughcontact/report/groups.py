@@ -1,20 +1,19 @@
-"""The groups of maps on the page: their answers at two or three loads, pictures, and what differs."""
+"""The groups of maps on the page: their answers at two or three loads and pictures, and those of several."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, AREA, COMPARED, ENDS, GAP, PEAK, TITLES
+from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, AREA, ENDS, PEAK, TITLES
 from roughcontact.arguments.measurement import json_attribute
-from roughcontact.arguments.quantities import Unit, percent, with_interval
+from roughcontact.arguments.quantities import Unit, percent
 from roughcontact.arguments.variables import has_number
 from roughcontact.report import allowed, glance
+from roughcontact.report.differences import Load, Row, differences_in_words, nearest_load
 from roughcontact.report.glance import Cell
 from roughcontact.report.load_plots import group_areas
 from roughcontact.report.units import hardness_reached, stated_loads, unit_of
-from roughcontact.statistics.decisions import CLOSED
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 from roughcontact.uncertainty.groups import is_range
@@ -23,11 +22,8 @@ from roughcontact.uncertainty.scales import from_scale, to_scale
 # the answers with an interval, the area first, with what a single map has not
 _FURTHER = {row.quantity: row.heading for name, row in ANSWERS.items() if row.quantity and name != AREA}
 HEADINGS = (TITLES["mean_pressure"], TITLES[AREA], "of the next map", "scatter s", *_FURTHER.values())
-_IN_LINE = 3  # comparisons
-_FINEST = 1e-3  # of a ratio: half-width of which two digits are shown
+_IN_LINE = 3  # groups
 
-Row = dict[str, Any]
-Load = tuple[xr.Dataset, int]  # statistics of a surface, and the place of a load among theirs
 Key = tuple[str, str | None]  # surface and case
 
 
@@ -100,53 +96,6 @@ def group_picture(groups: Sequence[NamedGroup]) -> tuple[str, str]:
     return group_areas(displayed, pressure), caption
 
 
-def shown_comparisons(
-    comparisons: Mapping[tuple[str, str], xr.Dataset], answers: Mapping[str, xr.Dataset]
-) -> dict[tuple[str, str], xr.Dataset]:
-    """Return comparisons at the loads that are shown, by the areas of the one that is named first."""
-    shown = {}
-    for labels, result in comparisons.items():
-        reference = answers[labels[0]]
-        loads, areas = (reference[name].values for name in ("mean_pressure", AREA))
-        area = np.interp(result["mean_pressure"].values, loads, areas)
-        shown[labels] = result.isel(load=glance.shown_loads(area))
-    return shown
-
-
-def comparison_rows(
-    comparisons: Mapping[tuple[str, str], xr.Dataset],
-    groups: Sequence[NamedGroup],
-    maps: Mapping[str, xr.Dataset] | None = None,
-) -> list[Row]:
-    """Return for each two groups `first`, `second`, the `loads` in words, and `rows` of quantities.
-
-    A row has `cells` of the ratio at each load with its interval, and `outcomes`; `of_maps` tells two maps.
-    """
-    of_groups = {group.label: group.answer for group in groups}
-    answers = {**(maps or {}), **of_groups}
-    rows = []
-    for (label, partner), result in comparisons.items():
-        loads = result["mean_pressure"].values.tolist()
-        without_ratio: dict[str, list[str]] = {PEAK: [], GAP: []}
-        for load in loads:
-            at_load = [(a, _nearest_load(a, load)) for a in (answers[label], answers[partner])]
-            both = all(PEAK in a and hardness_reached(a)[i] for a, i in at_load)
-            closed = any(float(a[GAP][i]) < CLOSED for a, i in at_load)  # finer than atoms nothing is known
-            without_ratio[PEAK].append("both the hardness" * both)
-            without_ratio[GAP].append(glance.CLOSED_IN_WORDS * closed)
-        names = [name for name in COMPARED if name in result["quantity"].values]
-        rows.append(
-            {
-                "first": label,
-                "second": partner,
-                "loads": list(map(unit_of(answers[label], "Pa").text, loads)),
-                "rows": [_comparison(result.sel(quantity=n), n, without_ratio.get(n, ())) for n in names],
-                "of_maps": label not in of_groups,
-            }
-        )
-    return rows
-
-
 def _verdicts(group: NamedGroup, verdicts: Mapping[Key, str]) -> str:
     """Return how many maps of a group have each verdict."""
     of_maps = [verdicts.get((str(name), group.case)) for name in group.answer["map"].values]
@@ -194,38 +143,6 @@ def _scatter(load: xr.Dataset) -> Cell:
     return Cell(", ".join(texts.values() if len(texts) == 1 else texts_by_name) or "–")
 
 
-def differences_in_words(differences: Sequence[Row]) -> str:
-    """Return what comes of the contact area in up to three rows of `comparison_rows`, in one line.
-
-    It is that of the lightest and of the heaviest load, of several rows without what would decide; empty
-    for more.
-
-    Examples
-    --------
-    >>> area = {"quantity": TITLES[AREA], "cells": [Cell("1.5", "1.2 to 1.8"), Cell("–")]}
-    >>> row = {"first": "A", "second": "B", "loads": ["1 MPa", "2 MPa"]}
-    >>> differences_in_words([row | {"rows": [area | {"outcomes": ["differ", "inconclusive: few"]}]}])
-    'Contact area, B against A: differ (1.5 times as large, 1.2 to 1.8) at 1 MPa; inconclusive: few at 2 MPa.'
-    """
-    sentences = []
-    for row in differences if len(differences) <= _IN_LINE else ():
-        of_area = next((part for part in row["rows"] if part["quantity"] == TITLES[AREA]), None)
-        if of_area is None:
-            continue
-        count = len(row["loads"])
-        outcomes = of_area["outcomes"] if len(of_area["outcomes"]) == count else of_area["outcomes"] * count
-        if len(differences) > 1:
-            outcomes = [outcome.partition(":")[0] for outcome in outcomes]
-        words = [
-            f"{outcome} ({cell.text} times as large, {cell.details})" if cell.details else outcome
-            for outcome, cell in zip(outcomes, of_area["cells"], strict=True)
-        ]
-        at_loads = [f"{words[index]} at {row['loads'][index]}" for index in dict.fromkeys([0, count - 1])]
-        text = "; ".join(at_loads if len({*words}) > 1 else words[:1])
-        sentences.append(f"{row['second']} against {row['first']}: {text}")
-    return f"Contact area, {'; '.join(sentences)}." if sentences else ""
-
-
 def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[Key, xr.Dataset]) -> str:
     """Return the contact area of up to three groups at the last load shown, and for how many maps what holds.
 
@@ -238,15 +155,10 @@ def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[Key, xr.Dataset]
         known = ", ".join(filter(None, (area.details, area.known)))
         of_maps = {str(name): maps[str(name), group.case] for name in answer["map"].values}
         pressure = float(answer["mean_pressure"][index])
-        loads = {name: (data, _nearest_load(data, pressure)) for name, data in of_maps.items()}
+        loads = {name: (data, nearest_load(data, pressure)) for name, data in of_maps.items()}
         words = [*holding_in_words(loads), f"contact area {area.text}{f' ({known})' if known else ''}"]
         sentences.append(f"{group.label} at {load.text}: {', '.join(words)}")
     return f"{'; '.join(sentences)}." if sentences else ""
-
-
-def _nearest_load(answer: xr.Dataset, load: float) -> int:
-    """Return the place of the load (Pa) of a group or map that is next to one."""
-    return int(np.abs(answer["mean_pressure"].values - load).argmin())
 
 
 def holding_in_words(results: Mapping[str, Load]) -> list[str]:
@@ -358,20 +270,3 @@ def _range_in_words(name: str, results: Mapping[str, Load]) -> str:
     if lowest == highest:  # at the digits that their intervals carry
         return f"{TITLES[name]} {lowest} of all {len(surfaces)}"
     return f"{TITLES[name]} from {lowest} ({surfaces[0]}) to {highest} ({surfaces[-1]})"
-
-
-def _comparison(part: xr.Dataset, name: str, without_ratio: Sequence[str]) -> Row:
-    """Return the row of a quantity: its ratio at each load with the interval, and the outcomes.
-
-    `without_ratio` says at which loads, if there are any, nothing is compared, and why.
-    """
-    cells, outcomes = [], [str(outcome) for outcome in part["outcome"].values]
-    for index, reason in enumerate(without_ratio or [""] * len(outcomes)):
-        ratio, low, high = (float(part[key][index]) for key in ("ratio", "ratio_lower", "ratio_upper"))
-        text, *_ = with_interval(ratio, low, high, finest=_FINEST).split()
-        has_interval = np.isfinite([low, high]).any()
-        interval = with_interval(np.nan, low, high, finest=_FINEST) if has_interval else ""
-        cells.append(Cell("–") if reason else Cell(text, interval))
-        outcomes[index] = reason or outcomes[index]
-    equal = len(set(outcomes)) == 1
-    return {"quantity": TITLES[name], "cells": cells, "outcomes": outcomes[:1] if equal else outcomes}

@@ -16,9 +16,9 @@ from roughcontact.arguments.quantities import Unit, number
 from roughcontact.report import ONE_PAGE, glance
 from roughcontact.report import groups as group_section
 from roughcontact.report.asked import describe_problem, measured_in_words, same_loads
-from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.courses import answer_with_courses, course_sections
-from roughcontact.report.groups import Key, Row, name_under
+from roughcontact.report.differences import Row, case_rows, comparison_rows, shown_comparisons
+from roughcontact.report.groups import Key, name_under
 from roughcontact.report.load_plots import compare_areas, line_style
 from roughcontact.report.summary import from_page, read_summary
 from roughcontact.report.template import template
@@ -110,10 +110,10 @@ def write_report(
     ]
     maps = {name_under(*key): data for key, data in series.items()}
     answers = maps | {group.label: group.answer for group in groups}
-    compared = group_section.shown_comparisons(compared or {}, answers)
-    differences = group_section.comparison_rows(compared, groups, maps)
+    compared = shown_comparisons(compared or {}, answers)
+    differences = comparison_rows(compared, groups, maps)
     several = group_section.answer_of_several(groups, differences, series, last)
-    cases = {name: case_table(by_case, equal_loads=equal_loads) for name, by_case in by_surface.items()}
+    cases = {name: case_rows(by_case, equal_loads=equal_loads) for name, by_case in by_surface.items()}
     verdicts = {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}
     head = {
         "title": title,
@@ -128,7 +128,7 @@ def write_report(
     }
     if has_index:
         _write_pages(folder / "pages", rows, failure_rows, cases, head)
-        cases = {"": case_medians(list(by_surface.values()), equal_loads=equal_loads)}
+        cases = {}
     html = template("report.html").render(
         head,
         rows=rows,
@@ -144,7 +144,7 @@ def write_report(
         which_loads=_which_loads(rows, results, bool(shared)),
         # of so many that an index stands for them, lines over one another tell nothing
         comparison=None if has_index else _comparison(series, styles, bool(group_of_surface)),
-        cases=[(name, table) for name, table in cases.items() if table],
+        cases=[(name, *table) for name, table in cases.items() if any(table)],
         courses=[row["courses"] for row in rows],
         parts=[] if has_index else _parts(rows, folder),
         failures=failure_rows,
@@ -175,7 +175,7 @@ def _write_pages(
             name=name,
             before=previous,
             after=following,
-            cases=cases[name],
+            cases=[(name, *cases[name])] if any(cases[name]) else [],
             rows=rows_of_surface,
             failures=[failure for failure in failures if failure["surface"] == name],
             parts=_parts(rows_of_surface, folder),

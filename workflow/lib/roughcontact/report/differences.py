@@ -1,0 +1,164 @@
+"""What differs on the page: ratios of two groups, maps or cases at two or three loads."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.arguments.answers import AREA, COMPARED, GAP, PEAK, TITLES
+from roughcontact.arguments.quantities import with_interval
+from roughcontact.report import glance
+from roughcontact.report.glance import Cell
+from roughcontact.report.units import hardness_reached, stated_loads, unit_of
+from roughcontact.statistics.decisions import CLOSED
+from roughcontact.statistics.load_pairs import paired_loads
+from roughcontact.uncertainty.differences import case_differences, case_pairs
+from roughcontact.uncertainty.group_tables import NamedGroup
+
+_IN_LINE = 3  # comparisons
+_FINEST = 1e-3  # of a ratio: half-width of which two digits are shown
+
+Row = dict[str, Any]
+Load = tuple[xr.Dataset, int]  # statistics of a surface, and the place of a load among theirs
+
+
+def shown_comparisons(
+    comparisons: Mapping[tuple[str, str], xr.Dataset], answers: Mapping[str, xr.Dataset]
+) -> dict[tuple[str, str], xr.Dataset]:
+    """Return comparisons at the loads that are shown, by the areas of the one that is named first."""
+    shown = {}
+    for labels, result in comparisons.items():
+        reference = answers[labels[0]]
+        loads, areas = (reference[name].values for name in ("mean_pressure", AREA))
+        area = np.interp(result["mean_pressure"].values, loads, areas)
+        shown[labels] = result.isel(load=glance.shown_loads(area))
+    return shown
+
+
+def comparison_rows(
+    comparisons: Mapping[tuple[str, str], xr.Dataset],
+    groups: Sequence[NamedGroup],
+    maps: Mapping[str, xr.Dataset] | None = None,
+) -> list[Row]:
+    """Return for each two groups `first`, `second`, the `loads` in words, and `rows` of quantities.
+
+    A row has `cells` of the ratio at each load with its interval, and `outcomes`; `of_maps` tells two maps.
+    """
+    of_groups = {group.label: group.answer for group in groups}
+    answers = {**(maps or {}), **of_groups}
+    rows = []
+    for (label, partner), result in comparisons.items():
+        loads = result["mean_pressure"].values.tolist()
+        both = answers[label], answers[partner]
+        at_loads = [[(data, nearest_load(data, load)) for data in both] for load in loads]
+        row = _ratios(label, partner, result, at_loads)
+        texts = list(map(unit_of(answers[label], "Pa").text, loads))
+        rows.append(row | {"loads": texts, "of_maps": label not in of_groups})
+    return rows
+
+
+def case_rows(
+    cases: Mapping[str, xr.Dataset], *, equal_loads: bool = False
+) -> tuple[list[Row], list[tuple[str, str]]]:
+    """Return what one surface gives under every two of its cases, as of `comparison_rows`.
+
+    The pairs of `case_pairs` are compared at their `paired_loads`, as stated where all cases ask for
+    `equal_loads`, without what both share (`case_differences`); those that share no load are returned, too.
+
+    Examples
+    --------
+    >>> load = {"mean_pressure": ("load", [1e6]), "contact_modulus": 1e9, GAP: ("load", [1e-6])}
+    >>> soft, hard = (xr.Dataset(load | {AREA: ("load", [area])}) for area in (0.2, 0.1))
+    >>> (row,), _ = case_rows({"soft": soft, "hard": hard})
+    >>> row["second"], row["loads"], row["rows"][0]["quantity"], row["rows"][0]["cells"][0].text
+    ('hard', ['1.00 MPa'], 'contact area', '0.500')
+    """
+    rows, disjoint = [], []
+    for pair in case_pairs(list(cases)):
+        both = [cases[name] for name in pair]
+        partners = np.array(paired_loads(*both, as_stated=equal_loads))
+        if not partners.size:
+            disjoint.append(pair)
+            continue
+        partners = partners[:, both[0]["mean_pressure"].values[partners[0]].argsort()]
+        partners = partners[:, glance.shown_loads(both[0][AREA].values[partners[0]])]
+        shared = [data.isel(load=indices) for data, indices in zip(both, partners, strict=True)]
+        texts = zip(*(stated_loads(data).texts for data in shared), strict=True)
+        at_loads = [[(data, index) for data in shared] for index in range(partners.shape[1])]
+        row = _ratios(*pair, case_differences(*shared), at_loads)
+        rows.append(row | {"loads": [" / ".join(dict.fromkeys(text)) for text in texts]})
+    return rows, disjoint
+
+
+def nearest_load(answer: xr.Dataset, load: float) -> int:
+    """Return the place of the load (Pa) of a group or map that is next to one."""
+    return int(np.abs(answer["mean_pressure"].values - load).argmin())
+
+
+def differences_in_words(differences: Sequence[Row]) -> str:
+    """Return what comes of the contact area in up to three rows of `comparison_rows`, in one line.
+
+    It is that of the lightest and of the heaviest load, of several rows without what would decide; empty
+    for more.
+
+    Examples
+    --------
+    >>> area = {"quantity": TITLES[AREA], "cells": [Cell("1.5", "1.2 to 1.8"), Cell("–")]}
+    >>> row = {"first": "A", "second": "B", "loads": ["1 MPa", "2 MPa"]}
+    >>> differences_in_words([row | {"rows": [area | {"outcomes": ["differ", "inconclusive: few"]}]}])
+    'Contact area, B against A: differ (1.5 times as large, 1.2 to 1.8) at 1 MPa; inconclusive: few at 2 MPa.'
+    """
+    sentences = []
+    for row in differences if len(differences) <= _IN_LINE else ():
+        of_area = next((part for part in row["rows"] if part["quantity"] == TITLES[AREA]), None)
+        if of_area is None:
+            continue
+        count = len(row["loads"])
+        outcomes = of_area["outcomes"] if len(of_area["outcomes"]) == count else of_area["outcomes"] * count
+        if len(differences) > 1:
+            outcomes = [outcome.partition(":")[0] for outcome in outcomes]
+        words = [
+            f"{outcome} ({cell.text} times as large, {cell.details})" if cell.details else outcome
+            for outcome, cell in zip(outcomes, of_area["cells"], strict=True)
+        ]
+        at_loads = [f"{words[index]} at {row['loads'][index]}" for index in dict.fromkeys([0, count - 1])]
+        text = "; ".join(at_loads if len({*words}) > 1 else words[:1])
+        sentences.append(f"{row['second']} against {row['first']}: {text}")
+    return f"Contact area, {'; '.join(sentences)}." if sentences else ""
+
+
+def _ratios(first: str, second: str, result: xr.Dataset, at_loads: Sequence[Sequence[Load]]) -> Row:
+    """Return the row of two results, whose numbers `at_loads` say where there is no ratio."""
+    names = [name for name in COMPARED if name in result["quantity"].values]
+    rows = [
+        _comparison(result.sel(quantity=name), name, [_without_ratio(name, both) for both in at_loads])
+        for name in names
+    ]
+    return {"first": first, "second": second, "rows": rows}
+
+
+def _without_ratio(name: str, results: Sequence[Load]) -> str:
+    """Return why a number of two results at a load is not compared; empty where it is."""
+    if name == PEAK and all(PEAK in data and hardness_reached(data)[index] for data, index in results):
+        return "both the hardness"
+    # finer than atoms nothing is known
+    closed = name == GAP and any(float(data[GAP][index]) < CLOSED for data, index in results)
+    return glance.CLOSED_IN_WORDS if closed else ""
+
+
+def _comparison(part: xr.Dataset, name: str, without_ratio: Sequence[str]) -> Row:
+    """Return the row of a quantity: its ratio at each load with the interval, and the outcomes.
+
+    `without_ratio` says for each load why nothing is compared there, empty where it is. Cases, which differ
+    by what they state, have no outcome else.
+    """
+    cells, outcomes = [], list(part["outcome"].values if "outcome" in part else [""] * len(without_ratio))
+    for index, reason in enumerate(without_ratio):
+        ratio, low, high = (float(part[key][index]) for key in ("ratio", "ratio_lower", "ratio_upper"))
+        text, *interval = with_interval(ratio, low, high, finest=_FINEST).split()
+        ends = with_interval(np.nan, low, high, finest=_FINEST) if interval else ""
+        cells.append(Cell("–") if reason else Cell(text, ends))
+        outcomes[index] = reason or str(outcomes[index])
+    equal = len(set(outcomes)) == 1
+    return {"quantity": TITLES[name], "cells": cells, "outcomes": outcomes[:1] if equal else outcomes}
