@@ -15,7 +15,6 @@ from roughcontact.report import glance, load_plots
 from roughcontact.report.allowed import allowed_in_words
 from roughcontact.report.charts import COLOURS
 from roughcontact.report.facts import _closing, surface_facts
-from roughcontact.report.page import _comparison
 from roughcontact.report.tables import number_tables
 from roughcontact.report.units import unit_of
 from roughcontact.results.collect import collect_statistics, result_entry, solved_results
@@ -241,8 +240,6 @@ def test_periodic_results_beside_those_of_a_finite_body(tmp_path):
     loads = {case: glance.glance_rows(data)[0][glance.LOAD].text for (_, case), data in series.items()}
     assert loads == {"whole": "1.00 MPa", "free": "1.00 mN", "free2": "2.00 mN"}
     assert glance.load_heading([*series.values()]) == "load"
-    _, text = _comparison(series, dict.fromkeys(series, (0, 0)), has_groups=False)
-    assert text == "Surfaces are colours, cases are line styles."
 
 
 def test_a_remark_of_several_answers_stands_once_in_the_line():

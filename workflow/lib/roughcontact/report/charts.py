@@ -49,7 +49,7 @@ Rectangle = tuple[float, float, float, float]  # left, top, width, height
 # How a line and its marks look unless stated, beside their `colour`: `width` of the line in pixels (0: none),
 # `dash` (dashes and gaps), `marker` (one of `MARKERS`); `label` in the legend (empty: not listed).
 _LINE: dict[str, Any] = {"width": 1.5, "dash": "", "label": "", "read": True}
-_MARKS = _LINE | {"marker": "o", "filled": True, "width": 0.0, "listed": True}
+_MARKS = _LINE | {"marker": "o", "filled": True, "width": 0.0}
 
 
 @dataclass(frozen=True)
@@ -192,10 +192,7 @@ class Chart:
         self.note("line", x=x, y=y, path=self._path(x, y), **_LINE | style)
 
     def marks(self, x: np.ndarray, y: np.ndarray, **style: Any) -> None:
-        """Draw marks at points, joined by a line where it has a width.
-
-        Without `listed` the label stands beside values that are read, and not in the legend.
-        """
+        """Draw marks at points, joined by a line where it has a width."""
         style = _MARKS | style
         if style["width"]:
             self.line(x, y, **{key: style[key] for key in ("colour", "width", "dash")}, read=False)
@@ -339,7 +336,7 @@ class Chart:
 
         Its columns are as wide as its labels.
         """
-        items = [(kind, step) for kind, step in self.steps if step.get("label") and step.get("listed", True)]
+        items = [(kind, step) for kind, step in self.steps if step.get("label")]
         if not items:
             return [], 0.0
         across, letter, below = self.size[0] - 24, _LETTER_WIDTH * self.letters, 1.5 * self.letters

@@ -12,7 +12,7 @@ from roughcontact.arguments.variables import has_number
 from roughcontact.report import allowed, glance
 from roughcontact.report.differences import Load, Row, differences_in_words, nearest_load
 from roughcontact.report.glance import Cell
-from roughcontact.report.load_plots import group_areas
+from roughcontact.report.load_plots import compare_areas, line_style
 from roughcontact.report.units import hardness_reached, stated_loads, unit_of
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
@@ -85,15 +85,16 @@ def _shown(groups: Sequence[NamedGroup]) -> list[list[int]]:
 def group_picture(groups: Sequence[NamedGroup]) -> tuple[str, str]:
     """Return (image, caption) of the groups and each of their maps at two or three loads."""
     pressure = min((unit_of(group.answer, "Pa") for group in groups), key=lambda unit: unit.factor)
-    displayed = [
-        (group.label, group.answer.isel(load=loads))
+    displayed = {
+        group.label: group.answer.isel(load=loads)
         for group, loads in zip(groups, _shown(groups), strict=True)
-    ]
+    }
+    styles = {label: line_style(index) for index, label in enumerate(displayed)}
     caption = (
         "Open marks: each map. Filled: the group, with the 95 % interval of its mean (of a pair of faces: of "
         "the next placement; without one, their range). Groups stand beside one another at each load."
     )
-    return group_areas(displayed, pressure), caption
+    return compare_areas(displayed, styles, pressure=pressure), caption
 
 
 def _verdicts(group: NamedGroup, verdicts: Mapping[Key, str]) -> str:

@@ -20,16 +20,13 @@ from roughcontact.report.charts import (
     log_axis,
     series_style,
 )
-from roughcontact.report.units import interval_values, stated_loads, unit_of
+from roughcontact.report.units import interval_values, is_unbounded, stated_loads, unit_of
 from roughcontact.statistics import theory
-from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.statistics.theory import AREAS
 from roughcontact.surface.roughness.summits import summit_statistics
 
 _DASHES = ("", DASHED, DOTTED, DASH_DOTTED)  # of cases
 _SHOWN_BELOW = 0.1  # of the least area: an interval that ends below is drawn as far as the axis reaches
-_RELATIVE = "mean pressure / (contact modulus × rms gradient)"
-_WIDE: dict[str, Any] = {"size": (560.0, 430.0), "letters": 13.0}  # a chart of several surfaces
 # of a distribution: unit, quantity, share, and what is dotted
 _DISTRIBUTIONS = {
     "pressure": ("Pa", "contact pressure p", "share of the contact", "mean over the contact"),
@@ -50,7 +47,7 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     relative = statistics["relative_pressure"].values
     estimate, *bounds = interval_values(statistics, AREA)
     areas = np.concatenate([estimate, _clipped_ends(bounds[0], estimate), theory.persson_area(relative)])
-    chart = _area_chart(load, areas, label=label, top=_relative_axis(statistics))
+    chart = _area_chart(load, areas, label=label)
     if has_theories(statistics):
         line = _theory_lines(chart, relative, unit=unit * pascals.factor)
         if window is not None:
@@ -72,63 +69,43 @@ def has_theories(statistics: xr.Dataset) -> bool:
 
 
 def compare_areas(
-    results: Mapping[str, xr.Dataset], styles: Sequence[tuple[int, int]] = (), *, pressure: Unit
+    results: Mapping[str, xr.Dataset], styles: Mapping[str, dict[str, Any]], *, pressure: Unit
 ) -> str:
-    """Draw the contact area with its interval against the load of several surfaces or cases, by their labels.
+    """Draw the contact area with its interval against the load of surfaces or groups, by their labels.
 
-    `styles` has the indices of (surface, case): colours and line styles. The loads, which rise, are mean
-    pressures in the unit `pressure`.
+    Of groups (of `group_statistics`) each map is drawn, too. `styles` are those of `line_style`. The loads,
+    which rise, are mean pressures in the unit `pressure`.
     """
     loads = {name: result["mean_pressure"].values * pressure.factor for name, result in results.items()}
     intervals = {name: interval_values(result, AREA) for name, result in results.items()}
+    maps = {name: result.get(f"{AREA}_of_maps", xr.DataArray([])) for name, result in results.items()}
     areas, lower, _ = (np.concatenate(values) for values in zip(*intervals.values(), strict=True))
-    all_loads = np.concatenate([*loads.values()])
-    all_areas = np.concatenate([areas, _clipped_ends(lower, areas)])
-    chart = _area_chart(all_loads, all_areas, **_WIDE, label=load_label(pressure))
-    multiple = len({case for _, case in styles}) > 1
-    surfaces: dict[str, dict[str, Any]] = {}
-    cases: dict[str, dict[str, Any]] = {}
-    for index, name in enumerate(results):
-        surface, case = styles[index] if styles else (index, 0)
-        of_surface, _, of_case = name.partition(" · ")
-        surfaces[of_surface], style = line_style(surface), line_style(surface, case)
-        cases[of_case] = style | {"colour": GREY, "marker": "o"}
+    shown = [areas, _clipped_ends(lower, areas), *map(np.ravel, maps.values())]
+    y, x = np.concatenate(shown), np.concatenate([*loads.values()])
+    chart = _area_chart(x, y, size=(560.0, 430.0), letters=13.0, label=load_label(pressure))
+    room = min(0.08, 0.3 / len(results))  # ln(load) between the maps of a group and its mean
+    for index, (name, style) in enumerate(styles.items()):
+        is_group = maps[name].size > 0
+        # groups are a little apart at each load, so that none hides another
+        load = loads[name] * np.exp(is_group * room * (2 * index - len(results) + 1.5))
+        for of_map in maps[name].values:
+            chart.marks(load * np.exp(-room), 100 * of_map, **style | {"filled": False})
         area, *bounds = (100 * values for values in intervals[name])
-        chart.bars(loads[name], *bounds, colour=style["colour"])
-        chart.marks(loads[name], area, width=1.0, label=name, listed=not multiple, **style)
-    for label_of_key, style in [*surfaces.items(), *cases.items()] if multiple else ():
-        chart.note("key", label=label_of_key, width=1.0, **style)
-    return chart.source()
-
-
-def group_areas(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> str:
-    """Draw the contact area of some groups, with their intervals and each of their maps, against the load.
-
-    `groups` has a (label, answer of `group_statistics`) for each; loads are shown in the unit `pressure`.
-    """
-    loads = np.concatenate([answer["mean_pressure"].values for _, answer in groups])
-    keys = f"{AREA}_of_maps", f"{AREA}_lower"
-    areas = np.concatenate([np.ravel(answer[key].values) for _, answer in groups for key in keys])
-    chart = _area_chart(loads * pressure.factor, areas, **_WIDE, label=load_label(pressure))
-    room = min(0.08, 0.3 / len(groups))  # ln(load) between the maps of a group and its mean
-    for index, (name, answer) in enumerate(groups):
-        style = series_style(index)
-        # groups are apart by a little at each load, so that none hides another
-        shift = np.exp(2 * room * (index - (len(groups) - 1) / 2))
-        # a little apart in the logarithm, as far to either side
-        load = answer["mean_pressure"].values * pressure.factor * shift
-        area, *bounds = (100 * values for values in interval_values(answer, AREA))
-        for of_map in answer[f"{AREA}_of_maps"].values:
-            chart.marks(load / np.exp(room / 2), 100 * of_map, filled=False, **style)
-        load = load * np.exp(room / 2)
         chart.bars(load, *bounds, colour=style["colour"])
-        chart.marks(load, area, width=0.0, label=name, **style)
+        chart.marks(load, area, width=0.0 if is_group else 1.0, label=name, **style)
     return chart.source()
 
 
 def line_style(surface: int, case: int = 0) -> dict[str, Any]:
-    """Return how the line of a surface under a case, by their places, looks in `compare_areas`."""
+    """Return how the line of a surface, or group, under a case looks in `compare_areas`, by their places."""
     return series_style(surface) | {"filled": not case, "dash": _DASHES[case % len(_DASHES)]}
+
+
+def bars_in_words(numbers: xr.Dataset, *names: str) -> str:
+    """Return how the bars of these quantities in a figure are to be read, where there are any."""
+    available = [name for name in names if f"{name}_lower" in numbers]
+    arrow = any(is_unbounded(numbers, name) for name in available)
+    return f"Bars: the ±{'; an arrow: nothing bounds it upwards' * arrow}." if available else ""
 
 
 def _theory_lines(chart: Chart, loads: np.ndarray, unit: float = 1.0) -> np.ndarray:
@@ -143,7 +120,7 @@ def _theory_lines(chart: Chart, loads: np.ndarray, unit: float = 1.0) -> np.ndar
     return line
 
 
-def _area_chart(loads: np.ndarray, areas: np.ndarray, *, label: str = _RELATIVE, **options: Any) -> Chart:
+def _area_chart(loads: np.ndarray, areas: np.ndarray, *, label: str, **options: Any) -> Chart:
     """Return the log-log axes of area (percent) against load that hold these shares; `options` of `Chart`."""
     lowest = max(np.min(areas[areas > 0], initial=1.0) / 2, 1e-8)  # down to half of the smallest area
     y = Axis("contact area (%)", 100 * lowest, 140.0, log=True)
@@ -153,14 +130,6 @@ def _area_chart(loads: np.ndarray, areas: np.ndarray, *, label: str = _RELATIVE,
 def _clipped_ends(lower_bounds: np.ndarray, areas: np.ndarray) -> np.ndarray:
     """Return lower ends of areas as far as an axis shows them, down to a tenth of the least area."""
     return np.maximum(lower_bounds, _SHOWN_BELOW * np.min(areas[areas > 0], initial=1.0))
-
-
-def _relative_axis(statistics: xr.Dataset) -> Axis | None:
-    """Return the axis of the relative pressure, alongside; None for a flat map, or a body, which has none."""
-    name = next(iter(facts_of_numbers(statistics).scaled_columns), "")
-    if name not in statistics or not np.isfinite(statistics[name]).all():
-        return None
-    return log_axis(_RELATIVE, statistics[name].values)
 
 
 def gap_against_load(statistics: xr.Dataset) -> Chart:
@@ -185,7 +154,7 @@ def _load_chart(
     # a gap that is closed but for rounding would make the axis endless
     all_values[all_values < 1e-5 * np.nanmax(all_values)] = np.nan
     y = log_axis(f"{label} ({unit.symbol})", all_values, room=1.6)
-    chart = Chart(log_axis(name_of_load, load), y, top=_relative_axis(statistics))
+    chart = Chart(log_axis(name_of_load, load), y)
     if np.isfinite(at_limit):
         chart.across(y=at_limit, dash=DASHED, label=limit.replace("_", " "))
     for (_, text, colour, marker), (value, *bounds) in zip(lines, results, strict=True):

@@ -3,7 +3,7 @@
 import base64
 import json
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -63,7 +63,10 @@ def write_report(
         by_surface.setdefault(surface, {})[case or ""] = data
     # a placement stands with its pair, which comes last
     group_of_surface = {str(name): group.name for group in groups for name in group.answer["map"].values}
-    styles, indices = _line_styles(series, group_of_surface), glance.loads_to_compare(results)
+    surfaces, cases_solved = [*by_surface], list(dict.fromkeys(case for _, case in series))
+    styles = {key: line_style(surfaces.index(key[0]), cases_solved.index(key[1])) for key in series}
+    ungrouped = {key: data for key, data in series.items() if key[0] not in group_of_surface}
+    indices = glance.loads_to_compare(results)
     equal_loads = same_loads(settings)
     # of so many that an index stands for them each has a page of its own
     shared = [] if has_index else glance.shared_loads(results, "place" if equal_loads else glance.LOAD)
@@ -93,14 +96,14 @@ def write_report(
             "glance": [[at_load[name] for name in (glance.LOAD, *asked)] for at_load in cells],
             "further": [[at_load[name] for name in (glance.LOAD, *further)] for at_load in cells],
             "numbers": _compared(numbers, units[key], last[key]) if has_index else [],
-            "sample": line_style(*styles[key]),
+            "sample": styles[key],
             "group": group_of_surface.get(entry["surface"], ""),
             "rank": len(VERDICTS) - list(VERDICTS).index(of_panel["verdict"]),
         }
         rows.append(row)
         if not has_index:  # that of the table below
             last[key] = loads[-1]
-    cases_of_run = dict.fromkeys([*(case for _, case in series), *(failure["case"] for failure in failures)])
+    cases_of_run = dict.fromkeys([*cases_solved, *(failure["case"] for failure in failures)])
     causes: dict[tuple[str, str], list[str | None]] = {}
     for failure in failures:
         causes.setdefault((failure["surface"], failure["reason"]), []).append(failure["case"])
@@ -142,8 +145,8 @@ def write_report(
         cases_of_run=[*filter(None, cases_of_run)],
         which_load=_which_load(indices, results),
         which_loads=_which_loads(rows, results, bool(shared)),
-        # of so many that an index stands for them, lines over one another tell nothing
-        comparison=None if has_index else _comparison(series, styles, bool(group_of_surface)),
+        # of so many that an index stands for them, lines over one another tell nothing; groups have their own
+        comparison=None if has_index else _comparison(ungrouped, styles),
         cases=[(name, *table) for name, table in cases.items() if any(table)],
         courses=[row["courses"] for row in rows],
         parts=[] if has_index else _parts(rows, folder),
@@ -193,34 +196,19 @@ def _as_download(text: str) -> str:
     return "data:text/csv;charset=utf-8;base64," + base64.b64encode(text.encode()).decode()
 
 
-def _comparison(
-    series: Mapping[Key, xr.Dataset], styles: Mapping[Key, tuple[int, int]], has_groups: bool
-) -> tuple[str, str] | None:
-    """Return (image, caption) of area against load of all rough surfaces, None for a single one.
-
-    `styles` is of `_line_styles`, `has_groups` whether there are groups of maps.
-    """
+def _comparison(series: Mapping[Key, xr.Dataset], styles: Mapping[Key, Row]) -> tuple[str, str] | None:
+    """Return (image, caption) of area against load of the rough ones of several surfaces; None for one."""
     rough = {key: data for key, data in series.items() if np.isfinite(data["relative_pressure"]).all()}
     # the panel of a single surface has the same
     if len(rough) < 2:
         return None
     # that of the stiffest, where the cases differ in it
     pressure = min((unit_of(data, "Pa") for data in rough.values()), key=lambda unit: unit.factor)
-    remarks = ["Bars: the ±."] if all(f"{AREA}_lower" in data for data in rough.values()) else []
-    remarks += ["Surfaces are colours, cases are line styles."] if any(case for _, case in rough) else []
-    remarks += ["The maps of a group have one colour."] if has_groups else []
+    caption = "Bars: the ±." if all(f"{AREA}_lower" in data for data in rough.values()) else ""
     by_name = {name_under(*key): data for key, data in rough.items()}
-    return compare_areas(by_name, [styles[key] for key in rough], pressure=pressure), " ".join(remarks)
-
-
-def _line_styles(series: Iterable[Key], groups_by_surface: Mapping[str, str]) -> dict[Key, tuple[int, int]]:
-    """Return the indices of colour and line style of all results.
-
-    The maps of a group (name of a map -> of its group) have one colour, cases have line styles.
-    """
-    colour_of = {surface: groups_by_surface.get(surface, surface) for surface, _ in series}
-    colours, cases = list(dict.fromkeys(colour_of.values())), list(dict.fromkeys(case for _, case in series))
-    return {key: (colours.index(colour_of[key[0]]), cases.index(key[1])) for key in series}
+    return compare_areas(
+        by_name, {name_under(*key): styles[key] for key in rough}, pressure=pressure
+    ), caption
 
 
 def _series(statistics: xr.Dataset) -> dict[Key, xr.Dataset]:

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import AREA, GAP, PEAK, PRESSURE
 from roughcontact.arguments.maps import dimensions, side_lengths
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import percent
-from roughcontact.report import captions, facts, glance, load_plots, map_plots, tables, texture_plots
+from roughcontact.report import facts, glance, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.courses import answer_with_courses, course_text
@@ -31,7 +30,6 @@ _TITLES = {  # of the maps by the number of measured faces
     1: ("As measured", "Levelled"),
     2: ("Face, as measured", "Counter-face, as measured", "Sum of both, levelled"),
 }
-_OF_PRESSURES = ("pressure_std", "area_share_above_hardness")  # what the caption of their distribution says
 _LINE = 180  # letters of a reason; a line of a wide page has some 185
 
 
@@ -111,7 +109,7 @@ def write_panel(
         loads=json.dumps(each_load(numbers, indices if fields else []), ensure_ascii=False),
         waves=_waves(window_map, numbers) if rough else [],
         charts=_charts(numbers, window_map, indices) if rough else {},
-        bars=partial(captions.bars_in_words, numbers),
+        bars=partial(load_plots.bars_in_words, numbers),
         theories=load_plots.has_theories(numbers),
         budget=shown_budget(numbers, indices),
         tables=tables.number_tables(numbers, checks.load_flags(numbers, window_map.size)),
@@ -236,20 +234,16 @@ def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, st
     return pictures
 
 
-def _charts(numbers: xr.Dataset, window: xr.DataArray, indices: Sequence[int]) -> dict[str, tuple[str, str]]:
-    """Return {name: (image, caption)} of the charts of a window that is not flat."""
+def _charts(numbers: xr.Dataset, window: xr.DataArray, indices: Sequence[int]) -> dict[str, str]:
+    """Return {name: image} of the charts of a window that is not flat."""
     charts = {
-        "area": (load_plots.area_against_load(numbers, window), (AREA,)),
-        "pressure": (load_plots.pressure_against_load(numbers), (PRESSURE, PEAK)),
-        "pressures": (load_plots.pressure_distribution(numbers, indices), _OF_PRESSURES),
-        "gaps": (load_plots.gap_distribution(numbers, indices), (GAP,)),
+        "area": load_plots.area_against_load(numbers, window),
+        "pressure": load_plots.pressure_against_load(numbers),
+        "pressures": load_plots.pressure_distribution(numbers, indices),
+        "gaps": load_plots.gap_distribution(numbers, indices),
     }
     if "contact_radius" not in numbers:  # the mean gap of a body of finite size is that of its form
-        charts["gap"] = load_plots.gap_against_load(numbers), (GAP,)
+        charts["gap"] = load_plots.gap_against_load(numbers)
     if dimensions(window.shape) == 2:  # the patches of a profile have no area
-        patches = load_plots.patch_distribution(numbers, indices)
-        charts["patches"] = patches, ("contact_clusters", "largest_patch_area")
-    return {
-        name: (chart.source(), captions.answers_caption(numbers, *quantities))
-        for name, (chart, quantities) in charts.items()
-    }
+        charts["patches"] = load_plots.patch_distribution(numbers, indices)
+    return {name: chart.source() for name, chart in charts.items()}

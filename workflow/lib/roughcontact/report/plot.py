@@ -8,7 +8,6 @@ All raise a SettingsError for a dataset of something else, or of several surface
 """
 
 from collections.abc import Callable
-from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -271,12 +270,6 @@ def _drawn(chart: Chart, ax: "Axes | None") -> "Axes":
     for kind, step in chart.steps:
         if kind in _METHODS:
             _METHODS[kind](ax, chart, **step)
-    if chart.top is not None:
-        ratio = chart.top.low / chart.x.low
-        conversions: Any = partial(np.multiply, ratio), partial(np.multiply, 1 / ratio)
-        secondary_axis = ax.secondary_xaxis("top", functions=conversions)
-        secondary_axis.set_xlabel(chart.top.label)
-        _write_ticks(secondary_axis.xaxis, chart.top)
     ax.set_axisbelow(True)
     ax.grid(color="#dddddd")
     if not chart.grid:
