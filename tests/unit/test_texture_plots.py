@@ -1,9 +1,5 @@
 """The figures of spectrum and texture show what they say."""
 
-import base64
-import html
-import io
-import json
 import re
 from urllib.parse import unquote
 from xml.etree import ElementTree
@@ -11,14 +7,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from known_surfaces import self_affine
-from PIL import Image
 from read_charts import read_chart
 
 from roughcontact import height_map, level, periodic_window, self_affine_surface
 from roughcontact.report import texture_plots
 from roughcontact.report.charts import COLOURS, DASHED, DOTTED
 from roughcontact.surface.roughness.parameters import shortest_wavelength
-from roughcontact.surface.roughness.spectrum import areal_spectrum, isotropic_spectrum
+from roughcontact.surface.roughness.spectrum import isotropic_spectrum
 
 
 def window(shape=(96, 128), *, longest=60e-6, **options):
@@ -32,12 +27,6 @@ def svg(uri):
     text = unquote(text)
     ElementTree.fromstring(text)  # well formed
     return text
-
-
-def pixels(uri):
-    """Return the picture in a figure, (rows, columns, RGB)."""
-    (coded,) = re.findall(r'href="data:image/png;base64,([^"]*)"', svg(uri))
-    return np.asarray(Image.open(io.BytesIO(base64.b64decode(coded))).convert("RGB")).astype(int)
 
 
 def test_what_was_taken_out_is_shaded():
@@ -81,50 +70,7 @@ def test_the_band_of_the_spectrum_is_marked_at_its_wavelengths():
 
 
 def test_the_same_picture_a_second_time():
-    for draw in (texture_plots.spectrum, texture_plots.directional_spectrum):
-        assert draw(window()) == draw(window())
-
-
-def test_waves_along_x_light_up_along_x():
-    """Ridges along y (stretch): the waves run along x, where the picture is bright."""
-    picture = pixels(texture_plots.directional_spectrum(window()))
-    brightness = picture.sum(axis=2)
-    middle_y, middle_x = (n // 2 for n in brightness.shape)
-    along_x = brightness[middle_y - 1 : middle_y + 2, :].mean()
-    along_y = brightness[:, middle_x - 1 : middle_x + 2].mean()
-    assert along_x > 1.3 * along_y
-
-
-def reading(uri):
-    """Return what a script reads values of a picture by."""
-    return json.loads(html.unescape(re.search("data-reading='([^']*)'", svg(uri))[1]))
-
-
-def test_pictures_of_waves_have_their_middle_at_zero():
-    """And end half a wave, or half a step, beyond the last one that is drawn."""
-    made = window(longest=16e-6)
-    for draw, label, step in (
-        (
-            texture_plots.directional_spectrum,
-            "q along {} (rad/µm)",
-            [2 * np.pi / n for n in made.shape[::-1]],
-        ),
-    ):
-        read = reading(draw(made))
-        for axis, points, width in zip("xy", read["points"], step, strict=True):
-            name, low, high = read[axis]
-            assert name == label.format(axis)
-            assert sorted((low, high)) == pytest.approx([-points * width / 2, points * width / 2], rel=1e-6)
-
-
-def test_colours_of_the_waves_span_six_powers_of_ten():
-    window_map = window()
-    _, low, high = reading(texture_plots.directional_spectrum(window_map))["value"]
-    assert high - low == pytest.approx(6)
-    # the mean over 3 x 3 waves of m^4, in nm² µm²
-    _, _, power = areal_spectrum(window_map)
-    smooth = sum(np.roll(power, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1)) / 9
-    assert high == pytest.approx(np.log10(smooth.max() * 1e30), rel=1e-6)
+    assert texture_plots.spectrum(window()) == texture_plots.spectrum(window())
 
 
 @pytest.mark.parametrize("shape", [(1, 300), (300, 1)])
@@ -137,5 +83,4 @@ def test_profiles_are_drawn_as_lines(shape):
 @pytest.mark.parametrize("shape", [(8, 8), (9, 200), (5, 7)])
 def test_small_and_long_maps_are_drawn(shape):
     height = periodic_window(level(height_map(np.random.default_rng(0).standard_normal(shape), 1e-6)))
-    assert pixels(texture_plots.directional_spectrum(height)).shape[2] == 3
     assert svg(texture_plots.spectrum(height))

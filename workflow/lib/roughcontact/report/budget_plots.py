@@ -1,4 +1,4 @@
-"""Figures and tables of the error budget: the ± of each quantity by source, results by the shortest wave."""
+"""Figures of the error budget: the ± of each quantity by source, results by the shortest wave."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -7,10 +7,10 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, COMPARED, ENDS, TITLES, UNITS
-from roughcontact.arguments.quantities import number, prefix
+from roughcontact.arguments.quantities import prefix
 from roughcontact.arguments.variables import has_number
 from roughcontact.report.charts import Axis, Chart, curves_chart, log_axis
-from roughcontact.report.units import is_unbounded, largest_source, number_text, stated_loads, unit_of
+from roughcontact.report.units import is_unbounded, largest_source, stated_loads, unit_of
 
 _SOURCE_LABELS = {
     "solver": "solver",
@@ -31,23 +31,19 @@ _MIN_SHARE = 0.01  # percent; less is not drawn
 
 
 def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, Any] | None:
-    """Return figures, tables and notes of the error budget of a surface; None where it has none.
+    """Return figures, intervals and notes of the error budget of a surface; None where it has none.
 
-    `loads` are the indices of those whose components and intervals are listed. `images` has the figure (data
-    URI) of each quantity, `header` and `rows` the table, as `components` and `intervals`; `beyond` is on the
-    area beyond band and map, `notes` on missing parts.
+    `loads` are the indices of those whose intervals are listed. `images` has the figure (data URI) of each
+    quantity, `intervals` their table; `beyond` is on the area beyond band and map, `notes` on missing parts.
     """
     if "source" not in numbers.dims:
         return None
-    present, stated, share = present_sources(numbers), stated_loads(numbers), unit_of(numbers, "%")
-    budget = numbers[f"{AREA}_uncertainty"].sel(source=present).transpose("load", "source").values
-    rows = []
-    for index, load in enumerate(stated.texts):
-        contributions = map(_contribution, 100 * budget[index], present)
-        largest = _SOURCE_LABELS.get(largest_source(numbers, AREA, index), "–")
-        rows.append([load, number_text(numbers, AREA, share, index), *contributions, largest])
     attempts = ["window"] if "window_reason" in numbers.attrs else []  # not known leaves the interval open
-    absent = [_SOURCE_LABELS[s] for s in _SOURCE_LABELS if s not in (*present, *attempts, "combined")]
+    absent = [
+        _SOURCE_LABELS[s]
+        for s in _SOURCE_LABELS
+        if s not in (*present_sources(numbers), *attempts, "combined")
+    ]
     notes = [numbers.attrs.get(key) for key in ("window_flag", "window_reason")]
     notes += [f"Not in the ±: {', '.join(absent)}." if absent else "", _note_on_open_ends(numbers)]
     excess, intervals = wider_intervals(numbers.isel(load=list(loads)))
@@ -55,19 +51,8 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
         "images": [(TITLES[name], budget_against_load(numbers, name).source()) for name in COMPARED],
         "beyond": [f"{name}: {text}" for name, text in excess.items()],
         "intervals": intervals,
-        "header": [stated.name, "contact area", *map(_SOURCE_LABELS.get, present), "largest part"],
-        "rows": rows,
         "notes": [*filter(None, notes)],
     }
-
-
-def _contribution(half_width: float, source: str) -> str:
-    """Return the contribution of a source; one that changes nothing is not written as ± 0."""
-    if np.isnan(half_width):
-        return "–"
-    if half_width > 0:
-        return f"± {number(half_width, digits=2)}"
-    return "no pixel in doubt" if source == "solver" else "no difference"
 
 
 def largest_parts(numbers: xr.Dataset) -> str:

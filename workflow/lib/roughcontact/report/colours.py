@@ -19,10 +19,6 @@ _ANCHORS = {
         "00224e 002d68 163770 2e416d 3f4c6c 4e566c 5c616e 696b71 767676 "
         "838179 928c78 a09875 afa471 bfb06b cfbd62 dfca57 f0d846 fee838"
     ),
-    "magma": (
-        "000004 090720 1a1042 311165 4a1079 621980 792282 912b81 aa337d "
-        "c23b75 d9466b ec5860 f7725c fc8e64 feaa74 fec68a fde2a3 fcfdbf"
-    ),
 }
 # Of a picture, 1448 x 1448: those of one surface take 3 to 5 MB at 1024 x 1024 points, 8 MB at the most. Of
 # finer maps several points make one.
@@ -33,7 +29,7 @@ _SHARES = 11  # steps of the share of bad points among those that make one
 
 
 def colour_scale(name: str) -> list[str]:
-    """Return the colours of a scale ("viridis", "cividis" or "magma"), evenly spaced from low to high.
+    """Return the colours of a scale ("viridis" or "cividis"), evenly spaced from low to high.
 
     Examples
     --------

@@ -27,7 +27,6 @@ from roughcontact.surface.roughness.texture import LAY
 from roughcontact.surface.window.band import shortest_reliable_wave
 
 _FLOW_NOT_SOLVED = "not solved, as no seal is stated"
-_NONE = "none"  # of directions of the lay
 # names of the parameters of profiles and maps without their first letter, by the way they are written
 _PARAMETERS = (("a", "q", "z"), ("sk", "ku", "dq"), ("k", "pk", "vk"), ("sm",))
 
@@ -203,32 +202,6 @@ def waves_in_words(window: xr.DataArray) -> str:
     return f"{text or 'the map'}, corrected for {causes}" if causes else text
 
 
-def lay_caption(numbers: xr.Dataset) -> str:
-    """Return the direction of the lay from `Str` and `Std` (degree; ISO 25178-2, 2021), if there is one.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> lay_caption(xr.Dataset({"Str": 0.1, "Std": 150.0}))
-    'Strongest waves at 150° (Std), lay at 60°, from x towards y.'
-    >>> lay_caption(xr.Dataset({"Str": 0.9, "Std": 150.0}))
-    'No lay: much the same in all directions.'
-    >>> lay_caption(xr.Dataset({"Str": float("nan"), "Std": 0.0}))
-    'Strongest waves at 0° (Std). The window is too narrow to tell whether there is a lay.'
-    """
-    lay, strongest = _lay(numbers), f"Strongest waves at {float(numbers['Std']):.0f}° (Std)"
-    if np.isnan(numbers["Str"]):
-        return f"{strongest}. The window is too narrow to tell whether there is a lay."
-    if lay == _NONE:
-        return "No lay: much the same in all directions."
-    return f"{strongest}, lay at {lay}, from x towards y."
-
-
-def _lay(numbers: xr.Dataset) -> str:
-    """Return the direction of the lay, across that of the strongest waves, or that there is none."""
-    return f"{(float(numbers['Std']) + 90) % 180:.0f}°" if float(numbers["Str"]) <= LAY else _NONE
-
-
 def _first_yield(numbers: xr.Dataset, name: str) -> str:
     """Return the load, by its variable, at which a body begins to yield, where it was computed."""
     if name not in numbers:
@@ -312,4 +285,8 @@ def _texture(numbers: xr.Dataset) -> str:
     if not np.isfinite(numbers["Sal"]):
         return ""
     length, ratio = quantity(float(numbers["Sal"]), "m"), float(numbers["Str"])
-    return f"{length}, {number(ratio)}, {_lay(numbers)}" if np.isfinite(ratio) else length
+    if not np.isfinite(ratio):  # the window is too narrow to tell
+        return length
+    # the lay is across the strongest waves
+    lay = f"{(float(numbers['Std']) + 90) % 180:.0f}° from x towards y" if ratio <= LAY else "none"
+    return f"{length}, {number(ratio)}, {lay}"

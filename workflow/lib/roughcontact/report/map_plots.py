@@ -119,36 +119,6 @@ def gap_map(
     return _map(_GAP, height, np.where(pressure > 0, np.nan, gap), (0, widest), unit=unit)
 
 
-def framed(
-    field: Field,
-    x: Axis,
-    y: Axis,
-    values: np.ndarray,
-    *,
-    bar: Axis,
-    extend: tuple[bool, bool] = (False, False),
-) -> Chart:
-    """Return values (ny, nx; first row at the bottom) as a picture between axes, with a colour bar.
-
-    `extend` says whether values lie below and above the colours. Pictures of one shape come out alike.
-    """
-    aspect = abs(y.high - y.low) / abs(x.high - x.low)
-    if not 1 / _MAX_ASPECT <= aspect <= _MAX_ASPECT:
-        aspect, y = 1.0, Axis(f"{y.label}, not to scale", y.low, y.high)
-    width = min(_WIDTH, _HIGHEST / aspect)
-    margins = (84.0, 14.0, _WIDTH - width + 106.0, 53.0)
-    size = (84.0 + _WIDTH + 106.0, width * aspect + 67.0)
-    chart = Chart(x, y, size=size, margins=margins, grid=False)
-    colours = colour_scale(field.colours)
-    source, coarse = coloured(values[::-1], (bar.low, bar.high), field.colours, bad=field.bad)  # y upwards
-    chart.note("picture", source=source, smooth=not coarse)
-    chart.reading = {"value": bar.reading(), "colours": colours, "bad": [field.bad, field.bad_word]}
-    chart.reading |= {"points": list(values.shape[::-1])}
-    chart.note("values", values=values, bar=bar, colours=field.colours, bad=field.bad)
-    chart.colour_bar(bar, colours, extend)
-    return chart
-
-
 def _map(
     field: Field,
     height: xr.DataArray,
@@ -159,16 +129,29 @@ def _map(
     outline: tuple[np.ndarray, np.ndarray] | None = None,
     along: Unit | None = None,
 ) -> Chart:
-    """Draw the values of a field over the extent of `height`, an arrow where some lie beyond the colours."""
+    """Draw the values of a field over the extent of `height`, an arrow where some lie beyond the colours.
+
+    Pictures of one shape come out alike.
+    """
     lengths = side_lengths(height)
     factor, of_lengths = along or length_unit(max(lengths))
     y, x = (Axis(f"{name} ({of_lengths})", 0.0, n * factor) for name, n in zip("yx", lengths, strict=True))
     low, high = (limit * unit.factor for limit in limits)
     # a flat map has no range, and a colour bar needs one
-    high = high if high > low else low + 1e-6 * unit.factor
-    extend = bool((values < limits[0]).any()), bool((values > limits[1]).any())
-    bar = Axis(f"{field.label} ({unit.symbol})", low, high)
-    chart = framed(field, x, y, values * unit.factor, bar=bar, extend=extend)
+    bar = Axis(f"{field.label} ({unit.symbol})", low, high if high > low else low + 1e-6 * unit.factor)
+    aspect = y.high / x.high
+    if not 1 / _MAX_ASPECT <= aspect <= _MAX_ASPECT:
+        aspect, y = 1.0, Axis(f"{y.label}, not to scale", y.low, y.high)
+    width = min(_WIDTH, _HIGHEST / aspect)
+    margins = (84.0, 14.0, _WIDTH - width + 106.0, 53.0)
+    chart = Chart(x, y, size=(84.0 + _WIDTH + 106.0, width * aspect + 67.0), margins=margins, grid=False)
+    colours, shown = colour_scale(field.colours), values * unit.factor
+    source, coarse = coloured(shown[::-1], (bar.low, bar.high), field.colours, bad=field.bad)  # y upwards
+    chart.note("picture", source=source, smooth=not coarse)
+    chart.reading = {"value": bar.reading(), "colours": colours, "bad": [field.bad, field.bad_word]}
+    chart.reading |= {"points": list(values.shape[::-1])}
+    chart.note("values", values=shown, bar=bar, colours=field.colours, bad=field.bad)
+    chart.colour_bar(bar, colours, (bool((values < limits[0]).any()), bool((values > limits[1]).any())))
     if outline is not None:
         # white below red: visible on every colour
         for colour, width in (("#ffffff", 4.0), ("#d00000", 2.0)):

@@ -228,9 +228,6 @@ def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, st
     if "profile_spectra" in window.attrs:
         caption = "Of the profiles, and of such profiles of the surface that was fitted to them."
         pictures.insert(0, ("Spectrum of the profiles", texture_plots.fitted_spectrum(window), caption))
-    if dimensions(window.shape) == 2:
-        directions = texture_plots.directional_spectrum(window)
-        pictures.append(("Waves by direction", directions, facts.lay_caption(numbers)))
     return pictures
 
 

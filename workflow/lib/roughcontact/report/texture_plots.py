@@ -10,16 +10,13 @@ from roughcontact.arguments.maps import dimensions, side_lengths, spacing
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import Unit
 from roughcontact.report.charts import COLOURS, DASHED, DOTTED, Axis, Chart, log_axis
-from roughcontact.report.map_plots import Field, framed
 from roughcontact.report.units import length_unit
 from roughcontact.surface.roughness import parameters
-from roughcontact.surface.roughness.spectrum import areal_spectrum, isotropic_spectrum
+from roughcontact.surface.roughness.spectrum import isotropic_spectrum
 
 _HEIGHT = Unit(1e9, "nm")  # of spectra, which are in nm² by the square of a length
-_DECADES = 6  # of power below the strongest wave that the colours show
 _SHELLS = 120  # points of the drawn curve per factor of ten in q
 _POWERS = {1: "", 2: "²"}  # of a unit of length
-_FEWEST = 8  # waves or points to each side of the middle that are shown at least
 
 
 def spectrum(window: xr.DataArray) -> str:
@@ -86,33 +83,6 @@ def _mark_band(chart: Chart, window: xr.DataArray, longest_wave: float, unit_q: 
     if np.isfinite(of_map):
         label = "shortest wave of the map"
         chart.across(x=2 * np.pi / of_map * unit_q, colour=COLOURS[2], dash=DOTTED, label=label)
-
-
-def directional_spectrum(window: xr.DataArray) -> str:
-    """Draw the power of the waves of a window by direction, logarithmic, the longest in the middle.
-
-    The mean over 3 x 3 waves is drawn, out to the waves that carry 99 % of the mean square gradient.
-    """
-    from scipy.ndimage import uniform_filter
-
-    qy, qx, power = areal_spectrum(window)
-    power = uniform_filter(np.fft.fftshift(power), 3, mode="wrap")
-    qy, qx = np.fft.fftshift(qy), np.fft.fftshift(qx)
-    shortest = parameters.shortest_wavelength(window)
-    reach = max(2 * np.pi / shortest, _FEWEST * (qy[1] - qy[0]), _FEWEST * (qx[1] - qx[0]))
-    rows, columns = np.abs(qy) <= reach, np.abs(qx) <= reach
-    unit_q, length = _inverse_length(window)
-    logarithm = np.log10(np.maximum(power[np.ix_(rows, columns)] * _HEIGHT.factor**2 * unit_q**-2, 1e-300))
-    x = _centred(f"q along x (rad/{length})", qx[columns] * unit_q)
-    y = _centred(f"q along y (rad/{length})", qy[rows] * unit_q)
-    bar = Axis(f"log₁₀ C ({_HEIGHT.symbol}² {length}²)", logarithm.max() - _DECADES, logarithm.max())
-    return framed(Field(bar.label, "magma"), x, y, logarithm, bar=bar).source()
-
-
-def _centred(label: str, positions: np.ndarray) -> Axis:
-    """Return the axis of a picture with its points at these positions, in their middles."""
-    half = (positions[1] - positions[0]) / 2 if positions.size > 1 else 0.5
-    return Axis(label, positions[0] - half, positions[-1] + half)
 
 
 def _thinned(q: np.ndarray, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
