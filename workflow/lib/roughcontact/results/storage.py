@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -160,22 +160,28 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     else:
         result = labelled_in_si(dataset)
     dataset = describe(result)
-    with atomic_write(path, size=dataset.nbytes) as partial:
-        _write(dataset, partial)
+    with atomic_write(path, size=dataset.nbytes) as partial, _created(partial) as file:
+        _write(file, dataset)
 
 
-def _write(dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w") -> None:
-    """Write a described dataset to a file, or beside what it holds, and the checksum of all of it."""
+@contextmanager
+def _created(path: Path) -> Iterator["netCDF4.Dataset"]:
+    """Create a netCDF file, which is closed at the end, with the checksum of all of it."""
     from netCDF4 import Dataset
 
-    dataset = _with_attributes(dataset.copy(deep=False), file_attributes)
-    with _uncached(), Dataset(path, mode) as file:
-        _define(file, dataset)
-        # unlike in `to_netcdf` after all definitions: each return to them goes through all variables again
-        for name, variable in dataset.variables.items():
-            is_text = variable.dtype.kind == "U"
-            file[str(name)][...] = variable.values.astype(object) if is_text else variable.values
+    with _uncached(), Dataset(path, "w") as file:
+        yield file
     seal(path)
+
+
+def _write(file: "netCDF4.Dataset", dataset: xr.Dataset) -> None:
+    """Write a described dataset to an open file, beside what it holds."""
+    dataset = _with_attributes(dataset.copy(deep=False), file_attributes)
+    _define(file, dataset)
+    # unlike in `to_netcdf` after all definitions: each return to them goes through all variables again
+    for name, variable in dataset.variables.items():
+        is_text = variable.dtype.kind == "U"
+        file[str(name)][...] = variable.values.astype(object) if is_text else variable.values
 
 
 def _define(file: "netCDF4.Dataset", dataset: xr.Dataset) -> None:
@@ -239,14 +245,14 @@ def _packed(variable: xr.Variable | xr.DataArray) -> dict[str, Any]:
 class LoadByLoad:
     """A solution that is written as it is found: the maps of a few loads are larger than the memory.
 
-    `path`: of the file, which is made; `loads` that will be solved (Pa, or N), in the order of the file.
+    `file`: empty and open; `loads` that will be solved (Pa, or N), in the order of the file.
     """
 
-    def __init__(self, path: Path, loads: Sequence[float]):
+    def __init__(self, file: "netCDF4.Dataset", loads: Sequence[float]):
+        self._file = file
+        file.createDimension("load", len(loads))
         # the file has the order that was asked for
-        self.path, self._size = path, len(loads)
         self._indices = iter(np.argsort(loads, kind="stable"))  # `solve_contact` solves them rising
-        self._file: netCDF4.Dataset | None = None
 
     def write_maps(self, solution: xr.Dataset) -> xr.Dataset:
         """Write the maps of a load, and return an empty dataset: no map is kept in memory.
@@ -255,31 +261,15 @@ class LoadByLoad:
         """
         maps = describe(solution[[name for name in solution.data_vars if solution[name].ndim == 3]])
         index = next(self._indices)
-        if self._file is None:
-            self._file = self._made_for(maps)
+        if not self._file.variables:
+            _define(self._file, maps)
         for name, field in maps.data_vars.items():
             self._file[str(name)][index] = field.values[0]
         return xr.Dataset()
 
-    def _made_for(self, maps: xr.Dataset) -> "netCDF4.Dataset":
-        """Create the file, with room for the maps of all loads, and leave it open."""
-        from netCDF4 import Dataset
-
-        with _uncached():
-            file = Dataset(self.path, "w")
-            file.createDimension("load", self._size)
-            _define(file, maps)
-        return file
-
     def complete(self, dataset: xr.Dataset) -> None:
-        """Write all the rest, attributes of the file included, and close the file."""
-        self.close()
-        _write(describe(dataset), self.path, mode="a")
-
-    def close(self) -> None:
-        """Close the file, unless it is."""
-        if self._file is not None and self._file.isopen():
-            self._file.close()
+        """Write all the rest, attributes of the file included."""
+        _write(self._file, describe(dataset))
 
 
 @contextmanager
@@ -287,12 +277,9 @@ def written_load_by_load(
     path: str | Path, loads: Sequence[float], window: xr.DataArray
 ) -> Iterator[LoadByLoad]:
     """Open a file for the maps of loads (Pa) on a window (y, x; m), which appears at the end."""
-    with atomic_write(path, size=len(loads) * window.size * _BYTES_OF_MAPS) as partial:
-        file = LoadByLoad(partial, loads)
-        try:
-            yield file
-        finally:
-            file.close()
+    size = len(loads) * window.size * _BYTES_OF_MAPS
+    with atomic_write(path, size=size) as partial, _created(partial) as file:
+        yield LoadByLoad(file, loads)
 
 
 def read_dataset(path: str | Path) -> xr.Dataset:
