@@ -27,12 +27,7 @@ _COORDINATES = (
     *(f"{bins}_{value}" for bins in _BINS for value in ("centre", "bounds")),
 )
 _LEADING = ("mean_pressure", "relative_pressure", AREA, f"{AREA}_pixels")
-# dimensions
-_NOT_IN_TABLE = {
-    *_BINS,
-    *("depth", "source", "hardness_over_modulus", "tangential_load", "input", "cutoff", "component", "time"),
-    *("member", "material", "interface"),
-}
+_OF_ROWS = ("case", "surface", "load")  # dimensions of a table
 # labels of a dimension that are the same for all surfaces
 _COMMON_LABELS = dict.fromkeys(("source", "input", "component"), object)
 _COMMON_LABELS |= dict.fromkeys(("hardness_over_modulus", "tangential_load"), float)
@@ -40,6 +35,7 @@ _COMMON_LABELS |= dict.fromkeys(("hardness_over_modulus", "tangential_load"), fl
 _BANDS = ("band_shortest", "band_longest", "band_reason", "corrected_for", "measured_by", "stresses_of")
 _VALUES = ("value", "lower", "upper")
 _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates_x", "gap_percolates_y")
+_VERDICT_WORDS = np.array(list(VERDICTS.values()), object)
 
 
 class Entry(TypedDict):
@@ -237,7 +233,6 @@ def summary(result: xr.Dataset) -> pd.DataFrame:
     mean_gap 1000000.0    0.0    0.0    0.0  0.333     use
     """
     frames = []
-    words = np.array(list(VERDICTS.values()), object)
     for labels, statistics in solved_results(result):
         loads = statistics["force" if "force" in statistics else "mean_pressure"].values
         # numbers of each load, and time, alone: densities and profiles have no interval
@@ -250,7 +245,8 @@ def summary(result: xr.Dataset) -> pd.DataFrame:
                     verdict = statistics.get(f"{answer_name(name)}_verdict", statistics["verdict"])
                     values = [numbers[f"{name}{suffix}"].values for suffix in ENDS]
                     columns = {"quantity": name, "load": loads, **dict(zip(_VALUES, values, strict=True))}
-                    columns |= {"known": relative_half_width(*values), "verdict": words[verdict.astype(int)]}
+                    columns |= {"known": relative_half_width(*values)}
+                    columns |= {"verdict": _VERDICT_WORDS[verdict.astype(int)]}
                     of_time = {} if time is None else {"time": float(time)}
                     frames.append(pd.DataFrame(labels | columns | of_time))
     if not frames:
@@ -272,10 +268,10 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
         for name in map(str, statistics.variables)
         # verdicts stand there in words
         if not name.endswith(("_name", "_estimate", "verdict"))
-        and not _NOT_IN_TABLE & set(statistics.variables[name].dims)
+        and {*statistics.variables[name].dims} <= {*_OF_ROWS}
     ]
     names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
-    order = [dim for dim in ("case", "surface", "load") if dim in statistics.dims]
+    order = [dim for dim in _OF_ROWS if dim in statistics.dims]
     columns = statistics[names].reset_coords().to_dataframe(dim_order=order).reset_index()
     labels = [dim for dim in ("case", "surface") if f"{dim}_name" in statistics.coords]
     frame = pd.DataFrame({dim: statistics[f"{dim}_name"].values[columns[dim]] for dim in labels})
@@ -296,11 +292,9 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
                 "the verdicts are of other loads: select rows of the table, not loads before it"
             )
         verdict_rows = [verdicts[case][surface][load] for case, surface, load in rows]
-        with_verdict = [name for answer in ANSWERS if (name := f"{answer}_verdict") in statistics]
-        verdict_words = np.array(list(VERDICTS.values()), object)
-        for name in with_verdict:
+        for name in filter(statistics.__contains__, (f"{answer}_verdict" for answer in ANSWERS)):
             codes = statistics[name].transpose(*order).values.ravel()[real]
-            frame[name] = verdict_words[codes.astype(int)]
+            frame[name] = _VERDICT_WORDS[codes.astype(int)]
         frame["verdict"] = [verdict for verdict, _ in verdict_rows]
         frame["reasons"] = [" | ".join(reasons) for _, reasons in verdict_rows]
     # padding made counts and flags floating; where none is missing they are whole numbers again

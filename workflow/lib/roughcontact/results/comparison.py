@@ -16,14 +16,8 @@ from roughcontact.statistics.load_pairs import paired_loads
 _LABELS = ("case", "surface")
 # how a load was solved and judged, not results
 _NOT_COMPARED = {
-    "iterations",
-    "operator_applications",
-    "error_bound",
-    "rounding_floor",
-    "max_penetration",
-    "load_error",
-    "converged",
-    "verdict",
+    *("iterations", "operator_applications", "error_bound", "rounding_floor", "max_penetration"),
+    *("load_error", "converged", "verdict"),
 }
 _BUDGET = ("_uncertainty", "_lower", "_upper", "_parts")
 
