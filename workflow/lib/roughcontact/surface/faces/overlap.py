@@ -9,7 +9,7 @@ from roughcontact.surface.faces.face import POINT_TOLERANCE, Face
 
 STEP_TOLERANCE = 1e-6  # relative difference of two steps that count as equal
 _MAX_POINTS = 2**27  # the same limit as for a file
-_ANGLE_TOLERANCE = 1e-9  # sine or cosine below which two axes count as parallel
+_ANGLE_DIGITS = 12  # of cosine and sine: two axes that differ by less count as parallel
 
 
 def cosine_and_sine(rotation: float) -> tuple[float, float]:
@@ -20,12 +20,9 @@ def cosine_and_sine(rotation: float) -> tuple[float, float]:
     >>> [tuple(map(float, cosine_and_sine(angle))) for angle in (0, 90, 180)]
     [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)]
     """
-    angle = np.radians(rotation)
     # cosines of right angles are 6e-17 otherwise, and points would not meet
-    cosine, sine = (0.0 if abs(v) < _ANGLE_TOLERANCE else float(v) for v in (np.cos(angle), np.sin(angle)))
-    if sine == 0:
-        return np.sign(cosine), 0.0
-    return (0.0, np.sign(sine)) if cosine == 0 else (cosine, sine)
+    turn = np.exp(1j * np.radians(rotation)).round(_ANGLE_DIGITS)
+    return float(turn.real), float(turn.imag)
 
 
 def axis_order(pair: Sequence, turn: tuple[float, float]) -> tuple | None:

@@ -40,7 +40,8 @@ def rms_height(height: xr.DataArray) -> float:
     >>> rms_height(height_map([[1.0, 3.0], [3.0, 1.0]], 1.0))
     1.0
     """
-    return float(np.std(_relative_to_first_point(height.values)))
+    # less the first height: exactly zero for a flat map
+    return float(np.std(height.values - height.values.flat[0]))
 
 
 @as_si
@@ -96,7 +97,7 @@ def interior_rms_gradient(height: xr.DataArray) -> float:
     >>> round(interior_rms_gradient(tilted), 2), round(rms_gradient(tilted), 2)
     (0.1, 1.66)
     """
-    values = _relative_to_first_point(height.values)
+    values = height.values - height.values.flat[0]  # exactly zero for a flat map
     total = 0.0
     for axis, pitch in enumerate(spacing(height)):
         lines = np.moveaxis(values, axis, -1)
@@ -283,11 +284,6 @@ def roughness_parameters(height: xr.DataArray, power: np.ndarray | None = None) 
         "nayak_parameter": m0 / m2 * (m4 / m2) if m2 > 0 else math.nan,
         "points_per_shortest_wavelength": _cutoff_wavelength(height, power, (1.0, 1.0)),
     }
-
-
-def _relative_to_first_point(values: np.ndarray) -> np.ndarray:
-    """Return the heights relative to the first point: exactly zero for a flat map."""
-    return values - values.flat[0]
 
 
 def _moments(height: xr.DataArray, power: np.ndarray) -> tuple[float, float, float]:

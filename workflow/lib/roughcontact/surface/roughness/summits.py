@@ -12,7 +12,6 @@ from roughcontact.kernels import fourier
 from roughcontact.kernels.arrays import DOUBLE
 from roughcontact.kernels.fft import make_plan
 
-_POINTS_PER_BLOCK = 2**16  # few enough to stay in the cache
 _SUMMIT, _SPIKE = (3, 15), (1, 9)  # points along each side: of the mean at the top, and around it
 _COMPARED = 40  # highest summits whose heights say how far the first may be above the second
 
@@ -120,17 +119,12 @@ def _chance(heights: list[float]) -> float:
 
 def _is_summit(values: np.ndarray) -> np.ndarray:
     """Return the mask of points higher than their eight neighbours; of equal neighbours one counts."""
-    (ny, nx), step = values.shape, max(1, _POINTS_PER_BLOCK // values.shape[1])
+    (ny, nx), around = values.shape, np.pad(values, 1, mode="wrap")
     summit = np.ones(values.shape, dtype=bool)
-    columns = np.arange(-1, nx + 1) % nx
-    for start in range(0, ny, step):
-        block = summit[start : start + step]
-        around = values[np.arange(start - 1, start + len(block) + 1) % ny][:, columns]
-        middle = around[1:-1, 1:-1]
-        for dy, dx in product((-1, 0, 1), repeat=2):
-            neighbour = around[1 - dy : len(block) + 1 - dy, 1 - dx : nx + 1 - dx]
-            if (dy, dx) > (0, 0):
-                block &= middle > neighbour
-            elif (dy, dx) < (0, 0):
-                block &= middle >= neighbour
+    for y, x in product(range(3), repeat=2):
+        neighbour = around[y : y + ny, x : x + nx]
+        if (y, x) < (1, 1):
+            summit &= values > neighbour
+        elif (y, x) > (1, 1):
+            summit &= values >= neighbour
     return summit

@@ -165,20 +165,16 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
     profile = min(correlation.shape) == 1
     along = 1 if correlation.shape[1] > 1 else 0
     angles = [np.pi / 2 * (1 - along)] if profile else np.pi * np.arange(_RAYS) / _RAYS
+    # half a period, beyond which the autocorrelation repeats, and what is left of the box
+    halves = [n / 2 * d if n > 1 else math.inf for n, d in zip(correlation.shape, spacing, strict=True)]
+    rooms = [max(m, n - 1 - m) * d for n, m, d in zip(peak.shape, middle, spacing, strict=True)]
     fallen, open_ends = [], []
     for angle in angles:
         direction = np.sin(angle), np.cos(angle)
-        reach = min(  # half a period: beyond it the autocorrelation repeats
-            n / 2 * d / abs(u) if n > 1 else math.inf
-            for n, d, u in zip(correlation.shape, spacing, direction, strict=True)
-            if abs(u) > 1e-12
+        reach, inside, crossing = (
+            min(side / abs(u) for side, u in zip(sides, direction, strict=True) if abs(u) > 1e-12)
+            for sides in (halves, rooms, spacing)
         )
-        inside = min(
-            (max(m, n - 1 - m)) * d / abs(u)
-            for n, m, d, u in zip(peak.shape, middle, spacing, direction, strict=True)
-            if abs(u) > 1e-12
-        )
-        crossing = min(d / abs(u) for d, u in zip(spacing, direction, strict=True) if abs(u) > 1e-12)
         # of oblong pixels the long ones are not sampled at the steps of the short ones
         pitch = spacing[along] if profile else max(min(spacing), crossing / 2)
         distance = np.arange(0, min(reach, inside) + pitch / _POINTS_PER_PIXEL / 2, pitch / _POINTS_PER_PIXEL)

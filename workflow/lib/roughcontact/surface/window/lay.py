@@ -21,6 +21,8 @@ def lay_period(values: np.ndarray, axis: int) -> float | None:
     It is the lag of the first maximum of the autocorrelation (mean over lines) beyond its zero that reaches
     0.8 of the highest one; that must reach 0.3, and more than four periods must fit into the map.
     """
+    from scipy.signal import find_peaks
+
     lines = np.moveaxis(values, axis, -1)
     lines = lines[:: max(1, len(lines) // _MAX_LINES)]  # so many lines show a period as well as all of them
     points = lines.shape[-1]
@@ -32,15 +34,13 @@ def lay_period(values: np.ndarray, axis: int) -> float | None:
     negative = np.nonzero(correlation < 0)[0]
     if not negative.size:
         return None
-    later = correlation[negative[0] :]
-    if later.max() < _MIN_CORRELATION * correlation[0]:
-        return None
+    highest = correlation[negative[0] :].max()
     # later maxima may be a little higher by chance; the first that is nearly as high is one period
-    top = negative[0] + int(np.argmax(later >= _MAXIMUM_SHARE * later.max()))
-    while top < reach and correlation[top + 1] > correlation[top]:
-        top += 1
-    if top == reach:
+    maxima, _ = find_peaks(correlation, height=_MAXIMUM_SHARE * highest)
+    later = maxima[maxima > negative[0]]
+    if highest < _MIN_CORRELATION * correlation[0] or not later.size:
         return None
+    top = int(later[0])
     lower, peak, upper = correlation[top - 1 : top + 2]
     # the vertex of the parabola through the maximum and its neighbours
     return float(top + (lower - upper) / (2 * (lower - 2 * peak + upper)))
