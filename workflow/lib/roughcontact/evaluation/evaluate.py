@@ -122,15 +122,8 @@ def evaluate(
     elif not isinstance(source, str | PathLike):
         warn_of_unit(check_labelled(source), stacklevel=3)
         source = labelled_in_si(source)
-    sections = {
-        "level": level,
-        "window": window,
-        "contact": contact,
-        "statistics": statistics,
-        "uncertainty": uncertainty,
-        "instrument": instrument,
-        "form": form,
-    }
+    sections = {"level": level, "window": window, "contact": contact, "statistics": statistics}
+    sections |= {"uncertainty": uncertainty, "instrument": instrument, "form": form}
     if file and isinstance(source, xr.DataArray):
         raise SettingsError(f"{', '.join(file)}: of a file, the source is a map; read it with them")
     # arrays and units are settled before the settings are checked

@@ -268,10 +268,11 @@ def leaks_of_seal(
     return leak_columns(columns["mean_gap"], columns, **fluid), numbers
 
 
-# variable -> the power of the conductance over the conductivity that it goes with
-_BY_CONDUCTANCE = {
-    **dict.fromkeys(("contact_stiffness", "thermal_conductance", "electrical_conductance"), 1),
-    **dict.fromkeys(("thermal_resistance", "electrical_resistance"), -1),
+# variable -> the quantity and its power that it goes with, where the budget corrects that
+_PROPORTIONAL = {
+    **dict.fromkeys(("contact_stiffness", "thermal_conductance", "electrical_conductance"), (CONDUCTANCE, 1)),
+    **dict.fromkeys(("thermal_resistance", "electrical_resistance"), (CONDUCTANCE, -1)),
+    **dict.fromkeys(("friction_coefficient", *_FLASH_TEMPERATURES), (AREA, 1)),
 }
 
 
@@ -309,47 +310,40 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
     attrs = {key: text for key, text in budget.attrs.items() if key.startswith(("window_", "overview_"))}
-    corrected_names = [
-        name.removesuffix(_AS_SOLVED) for name in map(str, budget) if name.endswith(_AS_SOLVED)
-    ]
-    estimates = {name: budget[f"{name}_estimate"].variable for name in corrected_names}
+    corrected = [name.removesuffix(_AS_SOLVED) for name in map(str, budget) if name.endswith(_AS_SOLVED)]
+    estimates = {name: budget[f"{name}_estimate"].variable for name in corrected}
     complete = statistics.assign(estimates).merge(budget, compat="override", join="override")
     complete = complete.assign_attrs(attrs)
     # by an overview; what is the same number in another unit follows
-    by_area, by_conductance = (
-        complete[name] / complete[f"{name}{_AS_SOLVED}"] if name in corrected_names else 1.0
-        for name in (AREA, CONDUCTANCE)
-    )
-    if CONDUCTANCE in corrected_names:
-        powers = {name: power for name, power in _BY_CONDUCTANCE.items() if name in complete}
-        complete = complete.assign({name: complete[name] * by_conductance ** powers[name] for name in powers})
-    if PEAK in corrected_names and "max_pressure_over_modulus" in complete:
-        relative = complete[PEAK] / complete["contact_modulus"]
-        complete = complete.assign(max_pressure_over_modulus=relative.variable)
-    if AREA in corrected_names:
-        # flash temperatures by the coefficient of friction that follows the area
-        heated_names = _FLASH_TEMPERATURES if "flash_temperature_by" in complete.attrs else ()
-        by_shear = [name for name in ("friction_coefficient", *heated_names) if name in complete]
-        complete = complete.assign({name: complete[name] * by_area for name in by_shear})
+    ratios = {name: complete[name] / complete[f"{name}{_AS_SOLVED}"] for name in corrected}
+    # flash temperatures may be by a coefficient of friction that follows the area
+    constant = () if "flash_temperature_by" in complete.attrs else _FLASH_TEMPERATURES
+    following = {
+        name: complete[name] * ratios[quantity] ** power
+        for name, (quantity, power) in _PROPORTIONAL.items()
+        if name in complete and quantity in ratios and name not in constant
+    }
+    if PEAK in ratios and "max_pressure_over_modulus" in complete:
+        following["max_pressure_over_modulus"] = complete[PEAK] / complete["contact_modulus"]
+    complete = complete.assign(following)
     # after the corrections, which the ends in other units follow
     bounds = _ends_in_other_units(complete) | _ends_of_the_leak(complete)
     if "joint_conductance" in complete:
-        bounds |= _joint(complete.assign(bounds), by_area, by_conductance)
+        bounds |= _joint(complete.assign(bounds), ratios)
     return complete.assign(bounds)
 
 
-def _joint(
-    statistics: xr.Dataset, by_area: xr.DataArray | float, by_conductance: xr.DataArray | float
-) -> dict[str, xr.DataArray]:
+def _joint(statistics: xr.Dataset, ratios: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
     """Return the conductance of a joint with its ends: those of spots, film and gas together.
 
     They share their causes: more contact has a smaller gap. The gas conducts as 1/(ū + M) at the most, the
-    film as the contact area. `by_area` and `by_conductance` are what the corrections of both have multiplied.
+    film as the contact area. `ratios` are what the corrections of quantities have multiplied.
     """
     spots, gas = statistics["thermal_resistance"], statistics["gas_conductance"]
     jump = statistics.attrs.get("joint_temperature_jump", 0.0)
     with np.errstate(divide="ignore"):  # full contact without a film
-        film = (1 / (statistics["joint_conductance"] - gas) - spots * by_conductance) / by_area
+        spots_as_solved = spots * ratios.get(CONDUCTANCE, 1.0)
+        film = (1 / (statistics["joint_conductance"] - gas) - spots_as_solved) / ratios.get(AREA, 1.0)
         if "mean_gap_alone" in statistics:  # the gap that an overview shows holds other gas
             gas = gas * (statistics["mean_gap_alone"] + jump) / (statistics[GAP] + jump)
         results = {"gas_conductance": gas, "joint_conductance": 1 / (spots + film) + gas}
