@@ -1051,7 +1051,6 @@ def test_of_many_surfaces_there_is_an_index_and_a_page_each(study):
 
 def test_the_index_answers_for_all_surfaces_at_one_load(study):
     text = study.read_text(encoding="utf-8")
-    assert "at load 2 of 3" in text
     rows = re.findall(r'<tr data-verdict="[^n]\w*">(.*?)</tr>', text)
     collected = read_dataset(study.parent / "statistics.nc")
     assert len(rows) == 14
@@ -1061,21 +1060,16 @@ def test_the_index_answers_for_all_surfaces_at_one_load(study):
             list(collected["surface_name"].values).index(surface),
             list(collected["case_name"].values).index(case),
         )
-        numbers = collected.isel(surface=indices[0], case=indices[1]).sortby("mean_pressure").isel(load=1)
+        numbers = collected.isel(surface=indices[0], case=indices[1]).sortby("mean_pressure").isel(load=-1)
         cells = dict(re.findall(r'data-label="([^"]*)"[^>]*>([^<]*)<', row))
-        cells = {label.replace("\N{NO-BREAK SPACE}", " "): cell for label, cell in cells.items()}
         assert cells["mean pressure"] == f"{number(float(numbers['mean_pressure']) * 1e-6)} MPa"
         assert cells["contact area"] == percent(float(numbers["relative_contact_area"]))
-        assert cells["largest pressure"] == f"{number(float(numbers['max_pressure']) * 1e-6)} MPa"
-        assert {cells["seals?"], cells["yields?"]} <= {"leaks", "seals", "not judged", "no", "yes"}
+        assert not {"largest pressure", "seals?", "yields?"} & cells.keys()  # nobody has asked for them
         # by what a click on a heading sorts
         keys = dict(re.findall(r'data-label="([^"]*)" data-key="([^"]*)"', row))
         assert [float(key) for key in keys.values()] == [
             pytest.approx(float(numbers[name]), rel=1e-12)
-            for name in (
-                *("rms_height", "rms_gradient", "mean_pressure", "relative_contact_area"),
-                *("mean_contact_pressure", "mean_gap", "max_pressure"),
-            )
+            for name in ("mean_pressure", "relative_contact_area", "mean_contact_pressure", "mean_gap")
         ]
 
 
@@ -1181,7 +1175,7 @@ def test_cases_are_compared_at_the_loads_that_they_share_and_at_no_others():
     # 5 MPa is a load of both, but all three are the same ones relative to E* g
     stiffer, _ = shown_case_rows({"one": case_a, "two": case(5e6, 1e7, 2.5e7, modulus=5e9)})
     assert len(stiffer["two against one"]["at"]) == 3
-    assert case_rows({"one": case_a, "two": case(4.95e3, 9.9e3, 2e4)}) == ([], [("one", "two")])
+    assert case_rows({"one": case_a, "two": case(4.95e3, 9.9e3, 2e4)}) == ([], [("", "one", "two")])
 
 
 def load_case(*loads, gap=1e-6):
@@ -1203,7 +1197,7 @@ def test_each_two_of_three_cases_are_compared_at_the_loads_that_these_two_share(
     cases = {"one": load_case(1.0, 2.0), "two": load_case(2.0, 5.0), "three": load_case(5.0, 9.0)}
     found, disjoint = shown_case_rows(cases)
     assert [*found] == ["two against one", "three against two"]
-    assert disjoint == [("one", "three")]
+    assert disjoint == [("", "one", "three")]
     four, _ = shown_case_rows(cases | {"four": load_case(1.0, 2.0, 5.0)})
     assert [*four] == ["two against one", "four against one"]
 

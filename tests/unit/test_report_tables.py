@@ -8,7 +8,7 @@ import xarray as xr
 
 from roughcontact.arguments.answers import UNITS
 from roughcontact.arguments.variables import VARIABLES
-from roughcontact.report.glance import Cell, glance_rows, loads_to_compare
+from roughcontact.report.glance import Cell, glance_rows
 from roughcontact.report.tables import number_tables
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
@@ -121,15 +121,6 @@ def test_the_answers_at_a_glance(variables_dropped, conducts):
         Cell("not judged"),  # friction
         Cell("not judged"),  # how warm it gets
     ]
-
-
-def test_surfaces_are_compared_at_the_load_that_is_nearest_by_ratio():
-    """Of 10 % of contact; one without contact is the farthest away."""
-    areas_a, areas_b = (
-        xr.Dataset({"relative_contact_area": ("load", areas)}) for areas in ([0.0, 0.03, 0.25], [0.01, 0.2])
-    )
-    assert loads_to_compare([areas_a, areas_b]) == [2, 1]
-    assert loads_to_compare([areas_a, areas_a * 0.8]) == [2, 2]
 
 
 def test_a_largest_pressure_below_the_hardness_has_its_interval():

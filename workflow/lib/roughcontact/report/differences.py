@@ -59,9 +59,9 @@ def comparison_rows(
 
 
 def case_rows(
-    cases: Mapping[str, xr.Dataset], *, equal_loads: bool = False
-) -> tuple[list[Row], list[tuple[str, str]]]:
-    """Return what one surface gives under every two of its cases, as of `comparison_rows`.
+    cases: Mapping[str, xr.Dataset], *, surface: str = "", equal_loads: bool = False
+) -> tuple[list[Row], list[tuple[str, str, str]]]:
+    """Return what one `surface` gives under every two of its cases, as of `comparison_rows`.
 
     The pairs of `case_pairs` are compared at their `paired_loads`, as stated where all cases ask for
     `equal_loads`, without what both share (`case_differences`); those that share no load are returned, too.
@@ -79,7 +79,7 @@ def case_rows(
         both = [cases[name] for name in pair]
         partners = np.array(paired_loads(*both, as_stated=equal_loads))
         if not partners.size:
-            disjoint.append(pair)
+            disjoint.append((surface, *pair))
             continue
         partners = partners[:, both[0]["mean_pressure"].values[partners[0]].argsort()]
         partners = partners[:, glance.shown_loads(both[0][AREA].values[partners[0]])]
@@ -87,7 +87,8 @@ def case_rows(
         texts = zip(*(stated_loads(data).texts for data in shared), strict=True)
         at_loads = [[(data, index) for data in shared] for index in range(partners.shape[1])]
         row = _ratios(*pair, case_differences(*shared), at_loads)
-        rows.append(row | {"loads": [" / ".join(dict.fromkeys(text)) for text in texts]})
+        of_pair = {"surface": surface, "loads": [" / ".join(dict.fromkeys(text)) for text in texts]}
+        rows.append(row | of_pair)
     return rows, disjoint
 
 

@@ -275,18 +275,6 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Mapping[str, Cell], *, a
     return " ".join(filter(None, [*sentences, slip_in_words(numbers, index)]))
 
 
-def loads_to_compare(results: Sequence[xr.Dataset]) -> list[int]:
-    """Return for each of many surfaces the index of the load at which they are compared, loads rising.
-
-    The median area there is nearest to 10 %, by ratio; with other numbers of loads each has its own.
-    """
-    areas = [result[AREA].values for result in results]
-    if len({result.size for result in areas}) == 1:
-        areas = [np.median(areas, axis=0)] * len(areas)
-    deviation = [np.abs(np.log(np.maximum(result, 1e-300)) - np.log(AREAS[1])) for result in areas]
-    return [int(result.argmin()) for result in deviation]
-
-
 def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
     """Return for each surface the units in the table by name of the variable.
 

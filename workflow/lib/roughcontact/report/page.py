@@ -12,7 +12,6 @@ import xarray as xr
 
 from roughcontact import __version__
 from roughcontact.arguments.answers import ANSWERS, AREA
-from roughcontact.arguments.quantities import Unit, number
 from roughcontact.report import ONE_PAGE, glance
 from roughcontact.report import groups as group_section
 from roughcontact.report.asked import describe_problem, measured_in_words, same_loads
@@ -28,10 +27,6 @@ from roughcontact.results.storage import write_text
 from roughcontact.statistics.decisions import OPEN_BELOW, OPEN_PARTS
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
-
-# columns of the index of many surfaces, before load and all answers but the last; and what sorts by those
-_HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g")
-_SORTED_BY = {glance.LOAD: glance.LOAD} | {name: ANSWERS[name].quantity for name in [*ANSWERS][:-1]}
 
 
 def write_report(
@@ -66,13 +61,11 @@ def write_report(
     surfaces, cases_solved = [*by_surface], list(dict.fromkeys(case for _, case in series))
     styles = {key: line_style(surfaces.index(key[0]), cases_solved.index(key[1])) for key in series}
     ungrouped = {key: data for key, data in series.items() if key[0] not in group_of_surface}
-    indices = glance.loads_to_compare(results)
     equal_loads = same_loads(settings)
-    # of so many that an index stands for them each has a page of its own
-    shared = [] if has_index else glance.shared_loads(results, "place" if equal_loads else glance.LOAD)
+    shared = glance.shared_loads(results, "place" if equal_loads else glance.LOAD)
     loads_at_glance = dict(zip(series, shared, strict=bool(shared)))
     units = dict(zip(series, glance.glance_units(results), strict=True))
-    last = dict(zip(series, indices, strict=True))
+    last: dict[Key, int] = {}
     asked = glance.asked_columns(results)
     further = [name for name in ANSWERS if name not in asked]
     rows: list[Row] = []
@@ -95,14 +88,14 @@ def write_report(
             "answer": answer_with_courses(line, courses),
             "glance": [[at_load[name] for name in (glance.LOAD, *asked)] for at_load in cells],
             "further": [[at_load[name] for name in (glance.LOAD, *further)] for at_load in cells],
-            "numbers": _compared(numbers, units[key], last[key]) if has_index else [],
+            "complete": len(cells) == numbers.sizes["load"],
+            "keys": [_sorted_by(numbers, name, loads[-1]) for name in (glance.LOAD, *asked)],
             "sample": styles[key],
             "group": group_of_surface.get(entry["surface"], ""),
             "rank": len(VERDICTS) - list(VERDICTS).index(of_panel["verdict"]),
         }
         rows.append(row)
-        if not has_index:  # that of the table below
-            last[key] = loads[-1]
+        last[key] = loads[-1]
     cases_of_run = dict.fromkeys([*cases_solved, *(failure["case"] for failure in failures)])
     causes: dict[tuple[str, str], list[str | None]] = {}
     for failure in failures:
@@ -116,7 +109,9 @@ def write_report(
     compared = shown_comparisons(compared or {}, answers)
     differences = comparison_rows(compared, groups, maps)
     several = group_section.answer_of_several(groups, differences, series, last)
-    cases = {name: case_rows(by_case, equal_loads=equal_loads) for name, by_case in by_surface.items()}
+    cases = [
+        case_rows(of_cases, surface=name, equal_loads=equal_loads) for name, of_cases in by_surface.items()
+    ]
     verdicts = {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}
     head = {
         "title": title,
@@ -130,12 +125,11 @@ def write_report(
         "asked_of_run": describe_problem(settings, changed),
     }
     if has_index:
-        _write_pages(folder / "pages", rows, failure_rows, cases, head)
-        cases = {}
+        _write_pages(folder / "pages", rows, failure_rows, dict(zip(by_surface, cases, strict=True)), head)
+        cases = []
     html = template("report.html").render(
         head,
         rows=rows,
-        headings=(*_HEADINGS, *glance.headings_of([*_SORTED_BY][1:], results)),
         download="" if has_index else _as_download(summary),
         linked=linked,
         counts=Counter(row["verdict"] for row in rows),
@@ -143,11 +137,10 @@ def write_report(
         doubts=Counter(doubt for row in rows for doubt in row["doubts"]).most_common(),
         surfaces=len(by_surface),
         cases_of_run=[*filter(None, cases_of_run)],
-        which_load=_which_load(indices, results),
-        which_loads=_which_loads(rows, results, bool(shared)),
+        are_shared=bool(shared),
         # of so many that an index stands for them, lines over one another tell nothing; groups have their own
         comparison=None if has_index else _comparison(ungrouped, styles),
-        cases=[(name, *table) for name, table in cases.items() if any(table)],
+        cases=[of_surface for of_surface in cases if any(of_surface)],
         courses=[row["courses"] for row in rows],
         parts=[] if has_index else _parts(rows, folder),
         failures=failure_rows,
@@ -178,7 +171,7 @@ def _write_pages(
             name=name,
             before=previous,
             after=following,
-            cases=[(name, *cases[name])] if any(cases[name]) else [],
+            cases=[cases[name]] if any(cases[name]) else [],
             rows=rows_of_surface,
             failures=[failure for failure in failures if failure["surface"] == name],
             parts=_parts(rows_of_surface, folder),
@@ -223,32 +216,10 @@ def _series(statistics: xr.Dataset) -> dict[Key, xr.Dataset]:
     return series
 
 
-def _compared(data: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[Row]:
-    """Return the cells of a surface in the index, below `_HEADINGS`, with their sorting keys."""
-    rms, slope = (float(data[name]) for name in ("rms_height", "rms_gradient"))
-    answers = glance.glance_rows(data, units, [index])[0]
-    cells = [glance.Cell(units["mean_gap"].text(rms)), glance.Cell(number(slope))]
-    row = [cell._asdict() | {"key": key} for cell, key in zip(cells, (rms, slope), strict=True)]
-    for name, quantity in _SORTED_BY.items():
-        key = float(data[quantity][index]) if quantity else np.nan
-        sorting = {"key": key if np.isfinite(key) else ""} if quantity else {"details": "", "key": None}
-        row.append(answers[name]._asdict() | sorting)
-    return row
-
-
-def _which_loads(rows: Sequence[Row], results: Sequence[xr.Dataset], are_shared: bool) -> str:
-    """Return which loads of the surfaces the table has, in words; empty where it has all."""
-    if all(len(row["glance"]) == data.sizes["load"] for row, data in zip(rows, results, strict=True)):
-        return ""
-    loads = "the loads that all share" if are_shared else "the loads of each surface"
-    return (
-        f"Of {loads} those nearest to 1, 10 and 30 % contact are shown; the section of each surface has all."
-    )
-
-
-def _which_load(indices: Sequence[int], results: Sequence[xr.Dataset]) -> str:
-    """Return the load at which the surfaces of the index are compared, in words."""
-    load_numbers = {(index + 1, data.sizes["load"]) for index, data in zip(indices, results, strict=True)}
-    if len(load_numbers) > 1:
-        return "at that load at which its contact is nearest"
-    return "at load {} of {}, at which the contact of most is nearest".format(*load_numbers.pop())
+def _sorted_by(data: xr.Dataset, name: str, index: int) -> float | str | None:
+    """Return by what the index sorts a surface in a column; None for words, empty for an unknown number."""
+    quantity = ANSWERS[name].quantity if name in ANSWERS else name
+    if not quantity:
+        return None
+    value = float(data[quantity][index]) if quantity in data else np.nan
+    return value if np.isfinite(value) else ""
