@@ -11,6 +11,11 @@ from roughcontact.arguments.settings.fields import fields_at
 from roughcontact.arguments.settings.models import Friction, Joint, Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.evaluation.kinds import KINDS, kind_of
+from roughcontact.evaluation.kinds.finite_body import FiniteBody
+from roughcontact.evaluation.kinds.local_scale import LocalScale
+from roughcontact.evaluation.kinds.periodic_map import PeriodicMap
+from roughcontact.evaluation.kinds.ridges import Ridges
+from roughcontact.evaluation.kinds.surface_behind_profiles import SurfaceBehindProfiles
 
 BALL = rc.height_map(-np.add.outer(np.linspace(-1, 1, 16) ** 2, np.linspace(-1, 1, 16) ** 2), 0.1, unit="m")
 FREE = {"contact_modulus": "1 GPa", "boundary": "free", "force": "1 N"}
@@ -67,23 +72,23 @@ def test_the_force_on_a_map_is_its_pressure_times_its_area():
 
 
 @pytest.mark.parametrize(
-    ("height", "settings", "name"),
+    ("height", "settings", "kind"),
     [
-        (BALL, {}, "periodic map"),
-        (BALL, {"contact": {"boundary": "free"}}, "finite body"),
-        (BALL[:1], {}, "ridges"),
-        (BALL[:1].assign_attrs(lay="none"), {}, "surface behind profiles"),
-        (BALL, {"form": {"local_scale": True}}, "local scale"),
+        (BALL, {}, PeriodicMap),
+        (BALL, {"contact": {"boundary": "free"}}, FiniteBody),
+        (BALL[:1], {}, Ridges),
+        (BALL[:1].assign_attrs(lay="none"), {}, SurfaceBehindProfiles),
+        (BALL, {"form": {"local_scale": True}}, LocalScale),
     ],
 )
-def test_the_kind_of_a_map(height, settings, name):
-    assert kind_of(height, settings).name == name
+def test_the_kind_of_a_map(height, settings, kind):
+    assert type(kind_of(height, settings)) is kind
 
 
 def test_a_new_kind_is_a_module_and_a_line():
-    """The last kind includes all maps, so that one is always found; names are distinct."""
+    """The last kind includes all maps, so that one is always found; none stands there twice."""
     assert KINDS[-1].includes(BALL, {})
-    assert len({kind.name for kind in KINDS}) == len(KINDS)
+    assert len({*KINDS}) == len(KINDS)
 
 
 SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}

@@ -24,7 +24,7 @@ def kind_of(height: xr.DataArray, settings: Mapping[str, Any]) -> PeriodicMap:
     Examples
     --------
     >>> from roughcontact.surface.synthetic import rough_reference_surface
-    >>> kind_of(rough_reference_surface(64), {"contact": {"boundary": "free"}}).name
+    >>> kind_of(rough_reference_surface(64), {"contact": {"boundary": "free"}}).facts.name
     'finite body'
     """
     kind = next(kind for kind in KINDS if kind.includes(height, settings))()

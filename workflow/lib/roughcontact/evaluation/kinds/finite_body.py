@@ -37,7 +37,6 @@ _REACH = 1.6  # semi-axes of Hertz's ellipse, between the middle of the form and
 class FiniteBody(FiniteBodyPreparation, PeriodicMap):
     """A ball, a block: the map is its roughness, on a form or within edges."""
 
-    name = FINITE_BODY.name
     facts = FINITE_BODY
 
     def loads(self, window: xr.DataArray, settings: Settings, solver: Mapping[str, Any]) -> dict[str, Any]:

@@ -38,7 +38,6 @@ _CONDUCTANCE = f"local_{CONDUCTANCE}"
 class LocalScale(PeriodicMap):
     """A kind of periodic map, whose loads are the largest pressures of a smooth form."""
 
-    name = LOCAL_SCALE.name
     facts = LOCAL_SCALE
 
     def __init__(self, base: PeriodicMap):

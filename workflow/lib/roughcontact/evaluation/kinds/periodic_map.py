@@ -49,7 +49,6 @@ class SolvedMap(NamedTuple):
 class PeriodicMap(MapPreparation):
     """An elastic half-space under a periodic map."""
 
-    name: ClassVar[str] = "periodic map"
     facts: ClassVar[KindFacts] = PERIODIC_MAP
 
     def solver_arguments(

@@ -18,7 +18,6 @@ from roughcontact.uncertainty.scales import AREA, GAP
 class Ridges(PeriodicMap):
     """A periodic map of a single row or column."""
 
-    name = "ridges"
     without_overview = "ridges"
 
     @classmethod

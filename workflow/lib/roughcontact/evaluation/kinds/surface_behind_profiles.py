@@ -35,8 +35,6 @@ _CALIBRATED = ("spread", "quantile", "share", "contrast")
 class SurfaceBehindProfiles(ProfilesPreparation, PeriodicMap):
     """A periodic map drawn from the spectrum of profiles."""
 
-    name = "surface behind profiles"
-
     def scatter(self, solution: SolvedMap) -> Callable[..., Scatter]:
         """Return the scatter of the surfaces that the profiles leave open."""
         return partial(scatter_of_surfaces, solution.levelled)
