@@ -148,7 +148,6 @@ def _sum_at(
 
 def _attributes(lower: Face, upper: Face, on_filled: np.ndarray) -> dict:
     """Return the attributes of the face, combined with those of the counter-face where applicable."""
-    lower_attrs, upper_attrs = lower.height.attrs, upper.height.attrs
     kinds: Counter[str] = Counter()
     warnings, facts, spikes = list[str](), list[str](), dict[str, str]()
     for face in (lower, upper):
@@ -161,7 +160,7 @@ def _attributes(lower: Face, upper: Face, on_filled: np.ndarray) -> dict:
         facts += [f"{name}: {fact}" for fact in json_attribute(attrs, "ingest_facts")]
         spike_counts = json_attribute(attrs, "ingest_spikes")
         spikes |= {f"{name}: {spike}": f"{name}: {text}" for spike, text in spike_counts.items()}
-    attrs_of_faces = lower_attrs, upper_attrs
+    attrs_of_faces = lower.height.attrs, upper.height.attrs
     # the sum has the rows of the worse face
     with_jitter = max(attrs_of_faces, key=lambda attrs: attrs.get("row_jitter", 0.0))
     steps = [attrs["quantisation_step"] for attrs in attrs_of_faces if "quantisation_step" in attrs]
@@ -169,8 +168,8 @@ def _attributes(lower: Face, upper: Face, on_filled: np.ndarray) -> dict:
     one, other = ({*each.properties()} for each in instruments)
     # the sum resolves what the coarser face does
     coarser = max((lower, upper), key=lambda face: reliable_wavelength(face.height)[0])
-    of_lower = Instrument.read(lower_attrs).attributes()
-    return {key: value for key, value in lower_attrs.items() if key not in of_lower} | {
+    of_lower = instruments[0].attributes()
+    return {key: value for key, value in lower.height.attrs.items() if key not in of_lower} | {
         "units": "m",
         "counter_face": upper.name,
         "source_sha256": " + ".join(attrs.get("source_sha256", "") for attrs in attrs_of_faces),

@@ -126,7 +126,7 @@ def periodic_window(
     waves = {"shortest": shortest_wavelength, "longest": longest_wavelength, "reliable": reliable_band}
     if already := _already_periodic(levelled, values):
         window, reason = already
-        return _record(window, waves, correct_for, reason=reason)
+        return _record(window, waves, correct_for, {"window_reason": reason})
 
     fade = width if method in _BLENDING_METHODS else 0.0
     cut = _largest_cut(levelled, values, fade, min_share, whole_periods=placement == "whole-periods")
@@ -135,18 +135,17 @@ def periodic_window(
     cut_map, periodic_map = _cut_out(levelled, cut, method=method, width=width)
     # over the cut alone: a mirrored map is larger, and its images change nothing
     change = periodic_map.values[: cut_map.shape[0], : cut_map.shape[1]] - cut_map.values
-    return _record(
-        periodic_map.assign_attrs(levelled.attrs),
-        waves,
-        correct_for,
-        method=method,
-        change=float(np.sqrt(np.mean(np.square(change, out=change)))),
+    offset = [(s + b // 2) * d for s, b, d in zip(cut.start, cut.band, spacing(levelled), strict=True)]
+    changes = {
+        "periodisation": method,
+        "periodisation_rms_change": float(np.sqrt(np.mean(np.square(change, out=change)))),
         # without the seams, which the part does not have where it was measured
-        gradient_before=interior_rms_gradient(cut_map),
-        offset=[(s + b // 2) * d for s, b, d in zip(cut.start, cut.band, spacing(levelled), strict=True)],
-        share=math.prod(cut.used) / levelled.size,
-        reason=_reason(levelled.shape, cut, periodic_map.shape, method, missing=missing),
-    )
+        "rms_gradient_before": interior_rms_gradient(cut_map),
+        **{f"window_offset_{axis}": float(along) for axis, along in zip("yx", offset, strict=True)},
+        "window_share": float(math.prod(cut.used) / levelled.size),
+        "window_reason": _reason(levelled.shape, cut, periodic_map.shape, method, missing=missing),
+    }
+    return _record(periodic_map.assign_attrs(levelled.attrs), waves, correct_for, changes)
 
 
 def subwindow(
@@ -264,18 +263,9 @@ def _already_periodic(height: xr.DataArray, values: np.ndarray) -> tuple[xr.Data
 
 
 def _record(
-    periodic: xr.DataArray,
-    waves: Mapping,
-    correct_for: Mapping[str, Any] | None,
-    *,
-    method: str = "none",
-    change: float = 0.0,
-    gradient_before: float | None = None,
-    offset: Sequence[float] = (0.0, 0.0),
-    share: float = 1.0,
-    reason: str,
+    periodic: xr.DataArray, waves: Mapping, correct_for: Mapping[str, Any] | None, changes: dict[str, Any]
 ) -> xr.DataArray:
-    """Return the band-limited window with a record of all changes in its attributes."""
+    """Return the band-limited window with a record of all changes, if there were any, in its attributes."""
     whole_gradient, rms = rms_gradient(periodic), float(np.std(periodic.values))
     window = as_measured = limit_band(periodic, **waves)
     # the band is cut after the correction, which restores waves beyond it, too
@@ -285,20 +275,22 @@ def _record(
     if traces := instrument_traces(periodic):
         traces["noise_gradient_share"] = share_of_noise(as_measured, traces["noise_floor"])
     window.attrs |= traces
-    window.attrs |= summit_that_stands_out(window, images=2 if method == "mirror" else 1)
-    window.attrs |= {
-        "periodisation": method,
-        "periodisation_rms_change": change,
+    images = 2 if changes.get("periodisation") == "mirror" else 1
+    window.attrs |= summit_that_stands_out(window, images=images)
+    change = changes.get("periodisation_rms_change", 0.0)
+    unchanged: dict[str, Any] = {
+        "periodisation": "none",
+        "periodisation_rms_change": 0.0,
         "periodisation_relative_change": change / rms if rms > 0 else 0.0,
-        "rms_gradient_before": whole_gradient if gradient_before is None else gradient_before,
+        "rms_gradient_before": whole_gradient,
         "rms_gradient_after": rms_gradient(window),
         "steepest_share": steepest_share(window),
         "form_share": share_of_form(window.values, (window["y"].values, window["x"].values)),
-        "window_offset_x": float(offset[1]),
-        "window_offset_y": float(offset[0]),
-        "window_share": float(share),
-        "window_reason": reason,
+        "window_offset_x": 0.0,
+        "window_offset_y": 0.0,
+        "window_share": 1.0,
     }
+    window.attrs |= unchanged | changes
     return record_summit(window)
 
 
