@@ -329,9 +329,8 @@ def _add_budget_columns(statistics: xr.Dataset) -> xr.Dataset:
         if "source" in variable.dims and str(name).endswith("_uncertainty")
     }
     area = statistics["relative_contact_area_uncertainty"]
-    for source in statistics["source"].values:
-        if source != "combined":
-            columns[f"{area.name}_from_{source}"] = area.sel(source=source, drop=True)
+    for source in statistics["source"].drop_sel(source="combined").values:
+        columns[f"{area.name}_from_{source}"] = area.sel(source=source, drop=True)
     return statistics.drop_dims("source").assign(columns)
 
 
@@ -384,9 +383,7 @@ def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame
     load = of_pairs.groupby(names, sort=False).cumcount().rename("load")
     of_pairs = of_pairs.assign(surface=of_pairs["surface"].map(pairs))
     groups = of_pairs.groupby([*names, load], sort=False)[numbers]
-    mean, spread = groups.mean(), groups.std()
-    frame = mean.index.to_frame(index=False)[names]
-    frame["members"] = groups.size().to_numpy()
-    together = pd.concat([mean, spread.add_prefix("spread_")], axis=1).reset_index(drop=True)
-    columns = [column for name in numbers for column in (name, f"spread_{name}")]
-    return pd.concat([frame, together[columns]], axis=1)
+    frame = groups.agg(["mean", "std"])
+    frame.columns = pd.Index([column for name in numbers for column in (name, f"spread_{name}")])
+    frame.insert(0, "members", groups.size())
+    return frame.droplevel("load").reset_index()

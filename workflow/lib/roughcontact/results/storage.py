@@ -117,8 +117,7 @@ def _commit() -> str:
         return ""
     command = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
     with suppress(OSError, subprocess.SubprocessError):
-        process = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
-        return process.stdout.strip()
+        return subprocess.check_output(command, text=True, stderr=subprocess.DEVNULL, timeout=10).strip()
     return ""
 
 

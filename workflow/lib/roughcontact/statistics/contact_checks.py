@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments import materials
+from roughcontact.arguments.answers import AREA
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.arguments.variables import Numbers
@@ -75,11 +76,9 @@ def overcount(statistics: Numbers) -> np.ndarray:
     >>> overcount(xr.Dataset(areas)).round(3)
     array([0.1])
     """
-    pixel_area = np.asarray(statistics["relative_contact_area_pixels"])
-    corrected_area = np.asarray(statistics["relative_contact_area"])
-    touching = corrected_area > 0
+    pixels, corrected = (np.asarray(statistics[f"{AREA}{suffix}"]) for suffix in ("_pixels", ""))
     # no corrected area is left of patches of single points
-    return np.where(touching, pixel_area / np.where(touching, corrected_area, 1.0) - 1, np.inf)
+    return np.divide(pixels, corrected, out=np.full(pixels.shape, np.inf), where=corrected > 0) - 1
 
 
 def resolution(statistics: Statistics) -> Check:

@@ -15,10 +15,9 @@ def count_switches(touching: np.ndarray, *, border: int = 0) -> tuple[int, int]:
     Those at seams are included, but not of a map that ends at a `border` of one line.
     """
     # an axis of a single point has no unlike neighbours: a profile counts along its own axis alone
-    lines = (touching, touching.T)
+    unlike_y, unlike_x = (lines != np.roll(lines, 1, 0) for lines in (touching, touching.T))
     # a body that ends has no neighbour beyond its last line
-    along_y, along_x = (int(np.count_nonzero((z != np.roll(z, 1, 0))[border:])) for z in lines)
-    return along_y, along_x
+    return int(np.count_nonzero(unlike_y[border:])), int(np.count_nonzero(unlike_x[border:]))
 
 
 def relative_contact_area(touching: np.ndarray, *, border: int = 0) -> float:
@@ -28,9 +27,8 @@ def relative_contact_area(touching: np.ndarray, *, border: int = 0) -> float:
     161) and M switches between contact and non-contact along all rows and columns, whatever the pitch,
     but for the `border`, 0 or 1, of a map that ends there: the edge of a body is that of its pixels.
     """
-    switches = sum(count_switches(touching, border=border))
-    count = np.count_nonzero(touching) - PERIMETER_CORRECTION * switches
-    return float(count / touching.size)
+    too_many = PERIMETER_CORRECTION * sum(count_switches(touching, border=border))
+    return float((np.count_nonzero(touching) - too_many) / touching.size)
 
 
 def point_area(shape: tuple[int, ...], steps: tuple[float, float]) -> float:

@@ -54,8 +54,7 @@ def friction_statistics(
     if speed is not None:
         if coefficient is None and shear_strength is None:
             raise _missing("speed", "coefficient or shear_strength")
-        stated_values = (body.get("thermal_conductivity") for body in half_spaces(bodies))
-        conductivities = [*filter(None, stated_values)]
+        conductivities = [k for body in half_spaces(bodies) if (k := body.get("thermal_conductivity"))]
         # flash temperatures are those of two half-spaces
         if len(conductivities) != 2:
             raise _missing("speed", "thermal_conductivity of both bodies, without layers")
