@@ -460,6 +460,23 @@ def test_an_area_that_nothing_bounds_ends_at_the_whole_and_not_at_load_over_hard
     assert 0.074 < bounded["relative_contact_area_upper"].item() < 0.085
 
 
+def test_maps_that_flow_are_known_together_no_worse_than_each():
+    """The hardness bounds what other places may have: no more scatter is to be expected."""
+    hardness, below = 1.2e9, 6e7
+    parts = np.zeros((1, len(SOURCES) + 1, 4))
+    parts[:, SOURCES.index("window"), :2] = below, 6e9
+    flowing = xr.Dataset(
+        {
+            "max_pressure": ("load", [hardness]),
+            "max_pressure_components": (("load", "source", "component"), parts),
+        },
+        {"mean_pressure": ("load", [5e4])},
+    ).assign(contact_modulus=1e11, hardness=hardness)
+    group = rc.group_statistics([flowing, flowing, flowing])
+    assert group["max_pressure_upper"].item() == hardness
+    assert hardness - below < group["max_pressure_lower"].item() < hardness
+
+
 def test_paired_maps_are_compared_map_by_map():
     gaps = np.array([1.0, 2.0, 4.0])
     group_a = group_of(gaps, names=["a", "b", "c"])

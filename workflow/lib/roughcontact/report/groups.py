@@ -139,7 +139,7 @@ def _scatter(load: xr.Dataset) -> Cell:
     for name, value in deviations.items():
         if np.isfinite(value):  # on the scale of the area
             lower, upper = from_scale(AREA, to_scale(AREA, np.array(mean)) + np.array([-value, value]))
-            texts[name] = percent((upper - lower) / 2 / mean)
+            texts[name] = percent(round(float(upper - lower) / 2 / mean, 12))  # equal ones differ by rounding
     texts_by_name = [f"{name} {text}" for name, text in texts.items()]
     return Cell(", ".join(texts.values() if len(texts) == 1 else texts_by_name) or "–")
 

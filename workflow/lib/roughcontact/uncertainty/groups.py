@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ENDS
+from roughcontact.arguments.answers import ENDS, QUANTITIES
 from roughcontact.arguments.kinds import KIND_FACTS
 from roughcontact.arguments.measurement import json_attributes
 from roughcontact.arguments.quantities import quantity
@@ -251,6 +251,7 @@ class _Maps(NamedTuple):
             columns += [to_scale(name, data[f"{name}_{ALONE}{suffix}"].values) for suffix in suffixes]
             own_loads = data["mean_pressure"].values
             value, components, *alone = (interpolated(own_loads, self.loads, column) for column in columns)
+            components[:, _WINDOW, :2] = self.possible(name, value, components[:, _WINDOW, :2])
             of_map = value, components[:, _WINDOW, :2].mean(axis=1)
             if alone:
                 is_known = np.isfinite(alone[0])  # NaN of a map beside others with an overview
@@ -259,6 +260,17 @@ class _Maps(NamedTuple):
                 of_map = tuple(np.where(is_known, *pair) for pair in pairs)
             results.append((value, components, *of_map))
         return [np.stack(column) for column in zip(*results, strict=True)]
+
+    def possible(self, name: str, value: np.ndarray, widths: np.ndarray) -> np.ndarray:
+        """Return half-widths (load, side) of a value on its scale, cut where the hardness bounds both ends.
+
+        Maps scatter no further: the peaks of all that flow are alike.
+        """
+        limits = QUANTITIES[name].limits
+        if limits is None or np.isinf(self.hardest):
+            return widths
+        lowest, highest = (to_scale(name, 0 * self.loads + end) for end in limits(self.loads, self.hardest))
+        return np.fmin(widths, np.maximum(np.stack([value - lowest, highest - value], axis=1), 0.0))
 
     def own_numbers(self, name: str) -> dict[str, np.ndarray]:
         """Return the numbers (load) of a quantity of a single map, by their endings: what it was."""
