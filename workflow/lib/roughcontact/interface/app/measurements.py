@@ -10,7 +10,7 @@ from functools import lru_cache
 from itertools import chain, count
 from math import ceil
 from pathlib import Path, PurePosixPath
-from secrets import token_hex
+from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import Any
 
@@ -149,9 +149,9 @@ async def save_upload(name: str, content: AsyncIterable[bytes]) -> str:
         raise SettingsError(f"{name!r} names no file: rename it")
     check_within_study(path)
     MEASURED.mkdir(exist_ok=True)
-    partial = MEASURED / f".{token_hex(8)}.partial"
-    try:
-        with partial.open("xb") as file:
+    with TemporaryDirectory(dir=MEASURED, prefix=".") as folder:
+        partial = Path(folder, "partial")
+        with partial.open("wb") as file:
             async for chunk in content:  # files may be larger than the memory
                 file.write(chunk)
         for target in chain([path], (path.with_stem(f"{path.stem}-{number}") for number in count(2))):
@@ -160,6 +160,4 @@ async def save_upload(name: str, content: AsyncIterable[bytes]) -> str:
                 break
             if target.is_file() and sha256(target) == sha256(partial):
                 break
-    finally:
-        partial.unlink(missing_ok=True)
     return str(target)

@@ -6,11 +6,10 @@ import signal
 import socket
 import sys
 import webbrowser
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from secrets import compare_digest, token_hex, token_urlsafe
+from secrets import compare_digest, token_urlsafe
 from typing import Any
-from urllib.parse import parse_qsl
 
 import uvicorn
 from starlette.applications import Starlette
@@ -30,7 +29,6 @@ from roughcontact.interface.app.study import FOLDER, check_within_study, error_i
 from roughcontact.report.template import script_digests
 from roughcontact.study.run_lock import lock_file
 
-_TRIES = 75  # of 20 ms, in which a page that is closed says so
 _MAX_CONNECTIONS = 40  # with three times those accepted at once fewer than the files a process may open
 _LOCK, _OPENING = Path(".snakemake/page"), Path(".snakemake/page.html")
 _NOTHING = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -52,24 +50,19 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
     """Return the application of the study in the working directory."""
     one_by_one = asyncio.Lock()
 
-    async def first(request: Request) -> Response:
-        for _ in range(_TRIES):  # the same page before it was loaded again may still say farewell
-            if page.is_open:
-                await asyncio.sleep(0.02)
+    async def drawn(draw: Callable[..., str], *arguments: Any) -> Response:
         async with one_by_one:
-            return HTMLResponse(await run_in_threadpool(page.first, token_hex(8)))
+            return HTMLResponse(await run_in_threadpool(draw, *arguments))
 
-    async def answer(request: Request) -> Response:
-        action, query = request.path_params["action"], request.query_params
-        if query.get("page") != page.name:
-            raise SettingsError("This study was opened in another page: reload this one to use it here")
-        if action == "drop":
-            return PlainTextResponse(await save_upload(query.get("name", ""), request.stream()))
-        form = dict(parse_qsl((await request.body()).decode(), keep_blank_values=True))
-        page.is_open = action != "leave"
-        async with one_by_one:  # a page that is left sends what was typed last, if anything
-            text = await run_in_threadpool(page.after, action, form) if page.is_open or form else ""
-        return HTMLResponse(text)
+    async def first(request: Request) -> Response:
+        seen = request.query_params.get("seen")
+        return await drawn(page.first) if seen is None else await drawn(page.since, seen)
+
+    async def change(request: Request) -> Response:
+        return await drawn(page.after, await request.json())
+
+    async def drop(request: Request) -> Response:
+        return PlainTextResponse(await save_upload(request.query_params.get("name", ""), request.stream()))
 
     def of_map(request: Request) -> Response:
         inspection, query = page.reader.readings[request.path_params["key"]].result(), request.query_params
@@ -97,15 +90,16 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         result, form, before = (request.query_params.get(name, "") for name in ("result", "form", "before"))
         if form == "compare" and not before:
             return HTMLResponse(page.filled("compared", result=result))
-        file, words = commands.export(result, form, before or result, plan=page.context["plan"])
+        file, words = commands.export(result, form, before or result, plan=page.checked["plan"])
         return FileResponse(file, filename=file.name) if file.is_file() else PlainTextResponse(words)
 
     results = StaticFiles(directory="results", check_dir=False)
     routes = [
         Route("/", first),
+        Route("/", change, methods=["POST"]),
+        Route("/drop", drop, methods=["POST"]),
         Route("/map/{key}", of_map),
         Route("/export", export),
-        Route("/{action}", answer, methods=["POST"]),
         Route("/results/{name:path}.html", report),
         Mount("/page", StaticFiles(directory=FOLDER)),
         Mount("/results", results),

@@ -13,7 +13,6 @@ import yaml
 from roughcontact.arguments.named_materials import named_bodies
 from roughcontact.arguments.settings.fields import field_at, grouped, is_list, section_model
 from roughcontact.arguments.settings.models import Settings
-from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.errors import RoughContactError, SettingsError
 from roughcontact.io.guards import brief
 from roughcontact.results.storage import write_text
@@ -21,7 +20,6 @@ from roughcontact.study.places import find_file
 from roughcontact.study.plan import Plan
 from roughcontact.study.study import read_study
 from roughcontact.study.table.columns import REQUIRED
-from roughcontact.study.table.read import read_surfaces
 from roughcontact.study.table.text import read_table, table_text
 from roughcontact.study.yaml_text import check_yaml
 
@@ -44,11 +42,7 @@ class _Typed(str):
     """A text that stands in YAML as it was typed: 3 is a number, true a truth value."""
 
 
-class _Dumper(yaml.SafeDumper):
-    """A dumper of such texts."""
-
-
-_Dumper.add_representer(
+yaml.SafeDumper.add_representer(
     _Typed,
     lambda dumper, text: dumper.represent_scalar(dumper.resolve(yaml.ScalarNode, text, (True, False)), text),
 )
@@ -69,28 +63,33 @@ def texts_for(job: str, texts: Mapping[str, str], aside: dict[str, str]) -> dict
     return remaining_texts | {name: aside.pop(name) for name in of_job} | JOBS[job].get("made", {})
 
 
-def read_folder() -> tuple[dict[str, Any], list[Row], str]:
-    """Return the settings in the working directory, their values as written, the rows, and the question."""
-    config: dict[str, Any] = {}
-    job = ""
+def read_folder() -> tuple[dict[str, str], list[Row], str]:
+    """Return the texts of the settings in the working directory by dotted names, rows, and question."""
+    texts, values, job = dict[str, str](), dict[str, Any](), ""
     if CONFIG.is_file():
         check_yaml(CONFIG)
         content = CONFIG.read_text(encoding="utf-8")
         job = match[1] if (match := _JOB.match(content)) else "area"
-        config, values = yaml.load(content, yaml.BaseLoader), yaml.safe_load(content)
-        # neither a name, nor settings that the form could hold: it has fields of these names
-        if not isinstance(config.get("surfaces", ""), str) or {"rows", "page"} & config.keys():
-            resolve(values, origin=str(CONFIG))
-        if cases := values.get("cases"):
-            config["cases"] = yaml.safe_dump(cases, **_STYLE)
-    table = _table(config)
+        values = yaml.safe_load(content)
+        texts = _texts(yaml.load(content, yaml.BaseLoader) | {"cases": ""})
+        texts["cases"] = yaml.safe_dump(values["cases"], **_STYLE) if values.get("cases") else ""
+    table = _table(values)
     header, rows = read_table(table) if table.is_file() else ([], [])
-    if "." in "".join(header) or TICKED in header or len(header) > len({*header}):  # no fields of the form
-        read_surfaces(table)
     named_cells = [zip(header, cells, strict=False) for _, cells in rows]
     # an empty cell asks for no field
-    table_rows = [{name: cell for name, cell in row if cell or name in REQUIRED} for row in named_cells]
-    return config, table_rows, job
+    return texts, [{name: cell for name, cell in row if cell or name in REQUIRED} for row in named_cells], job
+
+
+def _texts(value: Any, name: str = "") -> dict[str, str]:
+    """Return settings as they are written, by dotted names; `grouped` is the way back."""
+    if isinstance(value, str) or not value:
+        return {name: "[]" if value == [] else value or ""}
+    entries = value.items() if isinstance(value, Mapping) else enumerate(value)
+    return {
+        key: text
+        for place, entry in entries
+        for key, text in _texts(entry, f"{name}.{place}" if name else str(place)).items()
+    }
 
 
 def error_in_words(error: Exception) -> str:
@@ -136,7 +135,7 @@ def save(texts: Mapping[str, str], rows: Sequence[Row], *, job: str, keep: bool)
     files is kept; with `keep` that of the page is, too: it could not be read.
     """
     values = {"surfaces": _TABLE} | _values(texts)
-    settings = yaml.dump(grouped(values), Dumper=_Dumper, **_STYLE)
+    settings = yaml.safe_dump(grouped(values), **_STYLE)
     cells = [{name: cell for name, cell in row.items() if name != TICKED} for row in rows]
     table, head = Path(values["surfaces"]), f"{_HEAD}; asked: {job}" if job else _HEAD
     files = {CONFIG: f"{head}\n{settings}", table: f"{_HEAD}\n{table_text(cells)}"}

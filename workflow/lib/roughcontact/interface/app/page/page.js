@@ -1,12 +1,11 @@
 "use strict";
-// A change or a button sends all fields of the page; the answer is the page after it, which takes the place of this one.
-const page = document.body.dataset.page;
+// A change or a button is sent; the answer is the page after it, which takes the place of this one.
 const element = id => document.getElementById(id);
-const fields = () => new URLSearchParams([...document.forms].flatMap(form => [...new FormData(form)]));
-let queue = Promise.resolve(), unsaved = 0, steps = 0;
+const changes = {};  // of fields, until they are answered for
+let queue = Promise.resolve(), waiting = 0;
 
-// Makes an element what it is in the answer, but for what was typed into a field, opened, or drawn, and returns what stands
-// in its place. What has an id stays where it is, with its focus, when others appear before it or go.
+// Makes an element what it is in the answer, but for what is being typed, opened, or drawn, and returns what stands in its
+// place. What has an id stays where it is, with its focus, when others appear before it or go.
 function merged(old, now) {
   if (old?.nodeName !== now.nodeName || old.id !== now.id || old.nodeName === "#text") return now;
   if (old.isEqualNode(now) || old.id === "cursor") return old;
@@ -18,54 +17,56 @@ function merged(old, now) {
   const children = [...now.childNodes].map((child, place) => merged(before.find(({ id }) => id && id === child.id) ?? before[place], child));
   for (const node of before) if (!children.includes(node)) node.remove();
   children.forEach((child, place) => { if (old.childNodes[place] !== child) old.insertBefore(child, old.childNodes[place]); });
+  if (old.matches("input, select, textarea") && old !== document.activeElement) [old.value, old.checked] = [now.value, now.checked];
   return old;
 }
 
 async function put(response) {
-  const text = await response.text(), answer = new DOMParser().parseFromString(response.ok ? text : "", "text/html");
-  const focus = answer.querySelector("[autofocus]");
+  const text = await response.text();
   if (!response.ok) element("problem").textContent = text;
-  for (const now of answer.querySelectorAll("main > *")) merged(element(now.id), now);
-  if (focus) element(focus.id).focus();
+  if (!response.ok || !text) return;
+  const answer = new DOMParser().parseFromString(text, "text/html"), focus = answer.querySelector("[autofocus]");
+  merged(document.querySelector("main"), answer.querySelector("main"));
+  element(focus?.id)?.focus();
 }
 
-const post = (action, body, query = "") => fetch(`${action}?page=${page}${query}`, { method: "POST", body });
+// One after the other: what is done last is answered last.
+function step(ask, isBusy = true) {
+  waiting += 1;
+  document.body.ariaBusy = isBusy;
+  queue = queue.then(ask).catch(() => {
+    element("problem").textContent = "No answer: start roughcontact app again, and open the address that it prints";
+  }).finally(() => { waiting -= 1; document.body.ariaBusy = waiting > 0; });
+}
 
-async function send(action, more) {
-  if (action === "write" && !unsaved) return;  // an answer before it has had all
-  const sent = unsaved;
-  await put(await post(action, new URLSearchParams([...fields(), ...more])));
-  unsaved -= sent;
+async function post(action) {
+  const sent = { ...changes, ...action };
+  if (!Object.keys(sent).length) return;  // an answer before it has had all
+  const response = await fetch("", { method: "POST", body: JSON.stringify(sent) });
+  for (const name in sent) if (response.ok && changes[name] === sent[name]) delete changes[name];
+  await put(response);
 }
 
 async function upload(files) {
   const responses = [];
-  for (const file of files) responses.push(await post("drop", file, `&name=${encodeURIComponent(file.name)}`));
+  for (const file of files) responses.push(await fetch(`drop?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file }));
   const paths = await Promise.all(responses.filter(response => response.ok).map(response => response.text()));
-  if (paths.length) await send("add", [["page.path", paths.join("\n")]]);
+  if (paths.length) await post({ "page.do": "add", "page.path": paths.join("\n") });
   for (const response of responses) if (!response.ok) await put(response);
-}
-
-function ask(action, detail = []) {
-  steps += 1;
-  document.body.ariaBusy = action !== "state";
-  queue = queue.then(() => action === "drop" ? upload(detail) : send(action, detail)).catch(() => {
-    element("problem").textContent = "No answer: start roughcontact app again, and open the address that it prints";
-  }).finally(() => { steps -= 1; document.body.ariaBusy = steps > 0; });
 }
 
 document.addEventListener("submit", event => {
   event.preventDefault();
-  const { name, value } = event.submitter ?? {};
-  ask((event.submitter ?? event.target).getAttribute(event.submitter ? "formaction" : "action"), name ? [[name, value]] : []);
+  step(() => post(Object.fromEntries(new FormData(event.target, event.submitter))));
 });
-document.addEventListener("input", event => {
-  if (event.target.type === "file") {
-    ask("drop", [...event.target.files]);
-    event.target.value = "";  // those that were left out may be chosen again
-  } else if (event.target.form?.id === "study") {
-    unsaved += 1;
-    ask("write");
+document.addEventListener("input", ({ target }) => {
+  if (target.type === "file") {
+    const files = [...target.files];
+    step(() => upload(files));
+    target.value = "";  // those that were left out may be chosen again
+  } else if (!target.form) {
+    changes[target.name] = target.type === "checkbox" && !target.checked ? "" : target.value;
+    step(post);
   }
 });
 for (const name of ["dragover", "drop"])  // a file beside the field would take the place of the page
@@ -110,6 +111,6 @@ for (const kind of ["pointerdown", "pointermove", "pointerup"]) document.addEven
 });
 
 for (const name of ["beforeunload", "pagehide"])  // before the next page is asked for, and when this one ends otherwise
-  window.addEventListener(name, () => navigator.sendBeacon(`leave?page=${page}`, unsaved ? fields() : ""));
-window.addEventListener("pageshow", event => { if (event.persisted) location.reload(); });  // one that was left has no name
-setInterval(() => { if (!steps) ask("state"); }, 1000);
+  window.addEventListener(name, () => { if (Object.keys(changes).length) navigator.sendBeacon("", JSON.stringify(changes)); });
+const news = async () => put(await fetch(`?seen=${document.querySelector("main").dataset.news}`));
+setInterval(() => waiting || step(news, false), 1000);
