@@ -8,6 +8,7 @@ The truth is a run of 160 even steps and those of the run itself.
 
 import argparse
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +17,8 @@ import pandas as pd
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
-from roughcontact.contact.solve import elasticity
-from roughcontact.statistics.running_in import worn_faces
+from roughcontact.contact.solve import contact_from, elasticity
+from roughcontact.statistics.running_in import Archard, worn_faces
 
 MODULUS = 1e9  # Pa
 WEAR = 1e-15  # 1/Pa
@@ -41,8 +42,9 @@ def run_to_the_end(face, distances, *, load, hardness=None):
     """Return heights and bound after the last distance, without the statistics on the way."""
     known = elasticity(MODULUS, hardness=hardness)
     contact = rc.solve_contact(face, contact_modulus=MODULUS, mean_pressure=load, hardness=hardness)
-    *_, worn = worn_faces(contact, known, WEAR, distances.tolist(), tolerance=np.inf)
-    return worn.height.values, np.sqrt(worn.squared_error)
+    solve = partial(contact_from, load=load, tolerance=1e-4, threads=1)
+    *_, worn = worn_faces(contact, Archard(WEAR, known, solve), distances.tolist(), tolerance=np.inf)
+    return worn.contact["height"].values, np.sqrt(worn.squared_error)
 
 
 def random_run(seed, steps):

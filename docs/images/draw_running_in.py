@@ -9,7 +9,7 @@ import numpy as np
 
 import roughcontact as rc
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.evaluation.courses import worn_in_a_run
+from roughcontact.evaluation.courses import Face, worn_in_a_run
 from roughcontact.report.figures import new_figure
 
 ROOT = Path(__file__).parents[2]
@@ -23,7 +23,7 @@ ANSWERS = {"relative_contact_area": ("contact area", 1.0), "mean_gap": ("mean ga
 def main() -> None:
     """Draw the picture."""
     window = rc.periodic_window(rc.level(rc.read_height_map(ROOT / "data_samples/ground.txt")))
-    worn = worn_in_a_run(window, resolve(SETTINGS)[""], mean_pressure=20e6)
+    worn = worn_in_a_run(Face(window), resolve(SETTINGS)[""], mean_pressure=20e6)
     distance = worn["sliding_distance"].values[1:]
     with new_figure(9.0, 3.0) as figure:
         axes = figure.subplots(1, 4)

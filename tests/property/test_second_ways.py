@@ -9,7 +9,7 @@ from known_surfaces import self_affine
 
 import roughcontact as rc
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.evaluation.courses import worn_in_a_run
+from roughcontact.evaluation.courses import Face, worn_in_a_run
 from roughcontact.evaluation.pipeline import run_chain
 from roughcontact.statistics.unloading import evaluate_unloading
 
@@ -140,7 +140,7 @@ def test_what_starts_from_a_contact_starts_with_its_numbers(stack, tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         chain = run_chain(rough(), full, fields=tmp_path / "contact.nc")
-        worn = worn_in_a_run(chain.window, full, mean_pressure=4e6).isel(sliding_distance=0)
+        worn = worn_in_a_run(Face(chain.window), full, mean_pressure=4e6).isel(sliding_distance=0)
         with xr.open_dataset(tmp_path / "contact.nc") as solved:
             residual = evaluate_unloading(solved.load(), chain.window, full)
     loaded = chain.statistics.isel(load=1)

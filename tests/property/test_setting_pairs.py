@@ -31,7 +31,7 @@ from roughcontact.arguments.relaxation import relaxation_of
 from roughcontact.arguments.settings.models import Section, Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.variables import VARIABLES
-from roughcontact.evaluation.courses import slid_in_a_run, worn_in_a_run
+from roughcontact.evaluation.courses import Face, slid_in_a_run, worn_in_a_run
 from roughcontact.evaluation.pipeline import run_chain
 from roughcontact.statistics.unloading import evaluate_unloading
 from roughcontact.surface.preparation.periodic_map import MapPreparation
@@ -508,7 +508,7 @@ def evaluated(names, *, transposed=False, unit=1.0, extra=None, **options):
         for prefix, name, run in (("worn", WEAR, worn_in_a_run), ("slid", SLIDING, slid_in_a_run)):
             if name in names:
                 load = full[name.partition(":")[0].partition(".")[0]]["mean_pressure"] or heaviest
-                further[prefix] = run(chain.window, full, mean_pressure=load)
+                further[prefix] = run(Face(chain.window), full, mean_pressure=load)
         if "contact.unload" in names:
             with xr.open_dataset(fields) as contact:
                 further["left"] = evaluate_unloading(contact.load(), chain.window, full)

@@ -7,10 +7,11 @@ from known_surfaces import self_affine
 import roughcontact as rc
 from roughcontact.arguments.answers import AREA
 from roughcontact.arguments.quantities import number
-from roughcontact.evaluation.courses import FEW_STEPS, WORN, levelled_parts, worn_in_a_run
+from roughcontact.evaluation.courses import FEW_STEPS, WORN, Face, worn_in_a_run
 from roughcontact.report.courses import course_sections
 from roughcontact.results.storage import write_dataset
 from roughcontact.uncertainty.scales import to_scale
+from roughcontact.uncertainty.subwindows import levelled_parts
 
 LOAD, WEAR = 5e6, 1e-15
 
@@ -34,7 +35,7 @@ def settings(window, *, factor=1.0):
 @pytest.fixture(scope="module")
 def worn():
     window = face()
-    return worn_in_a_run(window, settings(window), mean_pressure=LOAD)
+    return worn_in_a_run(Face(window), settings(window), mean_pressure=LOAD)
 
 
 def test_the_interval_holds_another_face_of_the_same_finish(worn):
@@ -65,7 +66,7 @@ def test_the_interval_holds_another_face_of_the_same_finish(worn):
 
 def test_the_coefficient_moves_the_distances_alone(worn):
     window = face()
-    wider = worn_in_a_run(window, settings(window, factor=3.0), mean_pressure=LOAD)
+    wider = worn_in_a_run(Face(window), settings(window, factor=3.0), mean_pressure=LOAD)
     name = "running_in_distance"
     assert float(wider[f"{name}_lower"]) == pytest.approx(float(worn[f"{name}_lower"]) / 3)
     assert float(wider[f"{name}_upper"]) == pytest.approx(float(worn[f"{name}_upper"]) * 3)
@@ -109,7 +110,7 @@ def test_a_stated_range_is_part_of_the_interval(section, stated, again):
     full = settings(window)
     full["wear"]["distance"] = full["wear"]["distance"][2:4]
     exact, with_range = (
-        worn_in_a_run(window, full | {section: full[section] | each}, mean_pressure=LOAD)
+        worn_in_a_run(Face(window), full | {section: full[section] | each}, mean_pressure=LOAD)
         for each in ({}, stated)
     )
     part = levelled_parts(window)[0]

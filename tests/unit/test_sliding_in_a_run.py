@@ -9,7 +9,7 @@ import roughcontact as rc
 from roughcontact.arguments.answers import AREA, FRICTION, GAP, PEAK
 from roughcontact.arguments.quantities import number
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.evaluation.courses import SLID, levelled_parts, slid_in_a_run
+from roughcontact.evaluation.courses import SLID, Face, slid_in_a_run
 from roughcontact.kernels.fourier import wavenumbers
 from roughcontact.report.courses import course_sections
 from roughcontact.results.storage import write_dataset
@@ -17,6 +17,7 @@ from roughcontact.surface.faces.placing import overview_with_place
 from roughcontact.surface.window.transfer import corrected as window_corrected
 from roughcontact.surface.window.transfer import transfer
 from roughcontact.uncertainty.scales import to_scale
+from roughcontact.uncertainty.subwindows import levelled_parts
 
 LOAD, SPEEDS = 5e4, [1e-3, 1e-2, 1e-1]
 
@@ -44,7 +45,7 @@ def settings(highest=1e7):
 
 @pytest.fixture(scope="module")
 def slid():
-    return slid_in_a_run(face(), settings(), mean_pressure=LOAD)
+    return slid_in_a_run(Face(face()), settings(), mean_pressure=LOAD)
 
 
 def test_the_interval_holds_other_faces_of_the_same_finish(slid):
@@ -70,7 +71,7 @@ def test_a_range_of_the_modulus_is_part_of_the_interval(name, factor):
     window, full = face(points=48), settings()
     stated = {"contact_modulus_uncertainty": 0.2}
     exact, with_range = (
-        slid_in_a_run(window, full | {"contact": full["contact"] | each}, mean_pressure=LOAD)
+        slid_in_a_run(Face(window), full | {"contact": full["contact"] | each}, mean_pressure=LOAD)
         for each in ({}, stated)
     )
     part, rubber = levelled_parts(window)[0], table()
@@ -122,7 +123,7 @@ def test_the_friction_by_the_area_has_the_range_of_the_shear_strength():
     window, full = face(points=48), settings()
     friction = {"shear_strength": 1e6, "shear_strength_uncertainty": [0.2, 0.5]}
     stated = full | {"statistics": {"friction": friction, "seal": None}}
-    exact, ranged = (slid_in_a_run(window, each, mean_pressure=LOAD) for each in (full, stated))
+    exact, ranged = (slid_in_a_run(Face(window), each, mean_pressure=LOAD) for each in (full, stated))
     name = "adhesive_friction_coefficient"
     for end, factor in (("lower", 0.8), ("upper", 1.5)):
         by_area = np.log(exact[f"{AREA}_{end}"] / exact[AREA])
@@ -132,7 +133,7 @@ def test_the_friction_by_the_area_has_the_range_of_the_shear_strength():
 
 
 def test_what_the_table_does_not_reach_is_in_the_interval(slid):
-    short = slid_in_a_run(face(), settings(highest=5e2), mean_pressure=LOAD)
+    short = slid_in_a_run(Face(face()), settings(highest=5e2), mean_pressure=LOAD)
     share = short["friction_share_beyond_table"].values
     assert share[2] > 0.5 > slid["friction_share_beyond_table"].values[2]
     half = np.log(short[f"{FRICTION}_upper"] / short[FRICTION]).values
@@ -154,8 +155,8 @@ def test_an_overview_adds_what_other_places_of_the_surface_change(position):
     rubber = {"relaxation": table(), "speed": SPEEDS, "mean_pressure": LOAD, "tolerance": 1e-3}
     everywhere = [rc.sliding_friction(rc.periodic_window(field), fields=False, **rubber) for field in fields]
     window = rc.periodic_window(fields[0])
-    alone = slid_in_a_run(window, settings(), mean_pressure=LOAD)
-    both = slid_in_a_run(window, settings(), mean_pressure=LOAD, levelled=fields[0], overviews=[coarse])
+    alone = slid_in_a_run(Face(window), settings(), mean_pressure=LOAD)
+    both = slid_in_a_run(Face(window, None, fields[0], [coarse]), settings(), mean_pressure=LOAD)
     for name in (FRICTION, AREA, GAP):
         mean = np.mean([to_scale(name, of_field[name].values) for of_field in everywhere], axis=0)
         lower, upper = (to_scale(name, both[f"{name}_{end}"].values) for end in ("lower", "upper"))
@@ -176,12 +177,11 @@ def test_the_interval_of_a_noisy_blurred_map_holds_what_it_is_without(slid, corr
     instrument = {"noise": noise, "resolution": resolution}
     stated, unstated = (settings() | {"instrument": each} for each in (instrument, {}))
     if corrected:
-        again = slid_in_a_run(
-            window_corrected(measured, instrument), stated, mean_pressure=LOAD, as_measured=measured
-        )
+        both_maps = Face(window_corrected(measured, instrument), measured)
+        again = slid_in_a_run(both_maps, stated, mean_pressure=LOAD)
     else:
-        again = slid_in_a_run(measured, stated, mean_pressure=LOAD)
-        alone = slid_in_a_run(measured, unstated, mean_pressure=LOAD)
+        again = slid_in_a_run(Face(measured), stated, mean_pressure=LOAD)
+        alone = slid_in_a_run(Face(measured), unstated, mean_pressure=LOAD)
         assert (
             again[f"{FRICTION}_upper"] - again[f"{FRICTION}_lower"]
             > 1.05 * (alone[f"{FRICTION}_upper"] - alone[f"{FRICTION}_lower"])
@@ -222,7 +222,7 @@ def test_both_ways_have_their_own_intervals_and_are_side_by_side_on_the_page(tmp
 
     def slid_along(angles):
         return slid_in_a_run(
-            window, full | {"sliding": full["sliding"] | {"direction": angles}}, mean_pressure=LOAD
+            Face(window), full | {"sliding": full["sliding"] | {"direction": angles}}, mean_pressure=LOAD
         )
 
     both, back = slid_along([0.0, 180.0]), slid_along([180.0])

@@ -5,14 +5,13 @@ from functools import partial
 from _job import save_course, snakemake
 from _window import window_as_measured
 
-from roughcontact.evaluation.courses import worn_in_a_run
+from roughcontact.evaluation.courses import Face, worn_in_a_run
 from roughcontact.results.storage import opened_dataset, read_dataset
 
 paths, settings = snakemake.input, snakemake.params.settings["worn"]
 window = read_dataset(paths.window)["height"]
 with opened_dataset(paths.contact) as contact:
     load = settings["wear"]["mean_pressure"] or float(contact["mean_pressure"].max())
-as_measured = window_as_measured(window, settings)
-options = {"mean_pressure": load, "as_measured": as_measured, "threads": snakemake.threads}
-worn = partial(worn_in_a_run, window, settings, **options)
+face = Face(window, window_as_measured(window, settings))
+worn = partial(worn_in_a_run, face, settings, mean_pressure=load, threads=snakemake.threads)
 save_course(worn, snakemake.output.worn, settings, source=window.attrs)

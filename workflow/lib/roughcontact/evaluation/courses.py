@@ -15,36 +15,33 @@ that the map does not resolve are not in it: `friction_share_of_octave` shows wh
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, CONDUCTANCE, ENDS, FRICTION, GAP, PEAK, PRESSURE
 from roughcontact.arguments.bodies import relaxing_body
-from roughcontact.arguments.maps import refined, side_lengths, spacing
+from roughcontact.arguments.kinds import Sections
+from roughcontact.arguments.maps import refined
 from roughcontact.arguments.ranges import ends, name_of_range
 from roughcontact.arguments.relaxation import relaxation_of
 from roughcontact.arguments.variables import describe
 from roughcontact.statistics.precision import widened
 from roughcontact.statistics.running_in import run_in
 from roughcontact.statistics.sliding import BY_AREA, sliding_friction
-from roughcontact.surface.faces.placing import measured_rectangle
-from roughcontact.surface.levelling.forms import form_order
-from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.window.instrument import stated_instrument
-from roughcontact.surface.window.periodic_window import subwindow
 from roughcontact.surface.window.transfer import undone
 from roughcontact.uncertainty import combination
 from roughcontact.uncertainty.combination import Component, Components, half_widths, symmetric
 from roughcontact.uncertainty.ensemble import Result
 from roughcontact.uncertainty.inputs import HARDNESS, INPUTS, instrument_components, varied
-from roughcontact.uncertainty.overview import own_place, windows_of_places
+from roughcontact.uncertainty.overview import windows_elsewhere
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import to_scale
-from roughcontact.uncertainty.subwindows import divided, relevelled
+from roughcontact.uncertainty.subwindows import levelled_parts
 
 DISTANCE = "running_in_distance"
 WORN = (AREA, PRESSURE, PEAK, GAP, CONDUCTANCE, DISTANCE)
@@ -54,22 +51,21 @@ FEW_STEPS: dict[str, Any] = {"tolerance": 2 * TOLERANCE, "solver_tolerance": 1e-
 _ANSWERS_ALONE = {"flow": "never", "stress": "never"}  # statistics of a part
 COARSE = 1e-3  # tolerance of sliding over a part
 _OF_THE_CONTACT = ("contact_modulus", "bodies", "hardness", "influence", "zero_frequency")
-MAX_PARTS = 9
 
 Run = partial[xr.Dataset]  # the course on a window, whose arguments, by their names, may be replaced
 
 
-def worn_in_a_run(
-    window: xr.DataArray,
-    settings: Mapping[str, Mapping[str, Any]],
-    *,
-    mean_pressure: float,
-    as_measured: xr.DataArray | None = None,
-    threads: int = 1,
-) -> xr.Dataset:
-    """Return what `run_in` makes of the window by the settings, with the ends of the intervals.
+class Face(NamedTuple):
+    """What is solved, and the maps that tell how well it is known (y, x; m)."""
 
-    `as_measured` is the window before a correction for the instrument.
+    window: xr.DataArray
+    as_measured: xr.DataArray | None = None  # the window before a correction for the instrument
+    levelled: xr.DataArray | None = None  # the map of which it is a part
+    overviews: Sequence[xr.DataArray] = ()  # around that map
+
+
+def worn_in_a_run(face: Face, settings: Sections, *, mean_pressure: float, threads: int = 1) -> xr.Dataset:
+    """Return what `run_in` makes of the face by the settings, with the ends of the intervals.
 
     Its first distance is 0. `{answer}_lower` and `{answer}_upper` are over `sliding_distance`, those of
     `running_in_distance` are numbers, NaN where a part has none.
@@ -79,30 +75,17 @@ def worn_in_a_run(
     arguments |= {key: contact[key] for key in _OF_THE_CONTACT} | {"mean_pressure": mean_pressure}
     run: Run = partial(run_in, threads=threads, **arguments)
     coarse = partial(run, statistics=_ANSWERS_ALONE, **FEW_STEPS)
-    worn = run(window, tolerance=TOLERANCE, statistics=settings["statistics"])
-    of_steps = on_scales(coarse(window), WORN) - on_scales(worn, WORN)
-    causes = causes_of_parts(window, coarse, WORN, settings, as_measured=as_measured)
+    worn = run(face.window, tolerance=TOLERANCE, statistics=settings["statistics"])
+    of_steps = on_scales(coarse(face.window), WORN) - on_scales(worn, WORN)
+    causes = causes_of_parts(face, coarse, WORN, settings)
     worn = with_ends(worn, [components_of(symmetric, abs(of_steps)), *causes])
     worn[f"{DISTANCE}_lower"] /= wear["coefficient_factor"]
     worn[f"{DISTANCE}_upper"] *= wear["coefficient_factor"]
     return describe(worn)
 
 
-def slid_in_a_run(
-    window: xr.DataArray,
-    settings: Mapping[str, Mapping[str, Any]],
-    *,
-    mean_pressure: float,
-    as_measured: xr.DataArray | None = None,
-    levelled: xr.DataArray | None = None,
-    overviews: Sequence[xr.DataArray] = (),
-    threads: int = 1,
-) -> xr.Dataset:
-    """Return what `sliding_friction` makes of the window by the settings, with the ends of the intervals.
-
-    `as_measured` is the window before a correction for the instrument, `levelled` the map of which it is a
-    part, for the `overviews` around that.
-    """
+def slid_in_a_run(face: Face, settings: Sections, *, mean_pressure: float, threads: int = 1) -> xr.Dataset:
+    """Return what `sliding_friction` makes of the face by the settings, with the ends of the intervals."""
     statistics, bodies = settings["statistics"], settings["contact"]["bodies"]
     rubber = relaxing_body(bodies)
     (stiff,) = (body for body in bodies if body is not rubber)
@@ -113,24 +96,21 @@ def slid_in_a_run(
     conductivities = [body.get("thermal_conductivity") for body in (stiff, rubber)]
     friction = statistics["friction"] or {}
     slid = run(
-        window,
+        face.window,
         shear_strength=friction.get("shear_strength"),
         seal=statistics["seal"],
         thermal_conductivity=None if None in conductivities else conductivities,
     )
     coarse = partial(run, tolerance=COARSE, fields=False)
-    causes = causes_of_parts(window, coarse, SLID, settings, as_measured=as_measured)
+    causes = causes_of_parts(face, coarse, SLID, settings)
     shares = slid["hysteretic_friction_bound"] / slid[FRICTION], slid["friction_share_beyond_table"]
     causes += [{FRICTION: symmetric(share.values)} for share in shares]
-    if overviews and levelled is not None:
-        causes += causes_of_places(window, coarse, SLID, levelled, overviews)
+    causes += causes_of_places(face, coarse, SLID)
     slid = with_ends(slid, causes)
     if BY_AREA in slid:
         by_area = [slid[BY_AREA] * (slid[f"{AREA}{suffix}"] / slid[AREA]) for suffix in ENDS]
         bounds = widened(by_area, ends(1.0, friction.get("shear_strength_uncertainty")))
-        slid = slid.assign(
-            {f"{BY_AREA}{suffix}": bound for suffix, bound in zip(ENDS[1:], bounds, strict=True)}
-        )
+        slid = with_bounds(slid, BY_AREA, bounds)
     return describe(slid)
 
 
@@ -138,16 +118,14 @@ def with_ends(course: xr.Dataset, causes: Iterable[Components]) -> xr.Dataset:
     """Return a course with both ends of its answers, by the independent causes of their ±."""
     for name, total in combination.sum_of_causes(causes).items():
         bounds = combination.interval_bounds(name, to_scale(name, course[name].values), total)
-        for suffix, bound in zip(ENDS[1:], bounds, strict=True):
-            course = course.assign({f"{name}{suffix}": (course[name].dims, bound)})
+        course = with_bounds(course, name, bounds)
     return course
 
 
-def levelled_parts(window: xr.DataArray) -> list[xr.DataArray]:
-    """Return the parts of a window, each levelled by a plane and periodic."""
-    region = {axis: slice(0, points) for axis, points in zip("yx", window.shape, strict=True)}
-    areas = divided(region, spacing(window), MAX_PARTS)
-    return [subwindow(relevelled(window.isel(area), 1)) for area in areas]
+def with_bounds(course: xr.Dataset, name: str, bounds: Iterable[Any]) -> xr.Dataset:
+    """Return a course with both ends of an answer."""
+    dims, suffixes = course[name].dims, ENDS[1:]
+    return course.assign({name + end: (dims, np.asarray(b)) for end, b in zip(suffixes, bounds, strict=True)})
 
 
 def on_scales(course: xr.Dataset, names: Iterable[str]) -> xr.Dataset:
@@ -167,14 +145,7 @@ def scatter_of_mean(members: Sequence[xr.Dataset]) -> xr.Dataset:
     return factor * xr.concat(members, "member").std("member", ddof=1, skipna=False)
 
 
-def causes_of_parts(
-    window: xr.DataArray,
-    run: Run,
-    names: Sequence[str],
-    settings: Mapping[str, Mapping[str, Any]],
-    *,
-    as_measured: xr.DataArray | None = None,
-) -> list[Components]:
+def causes_of_parts(face: Face, run: Run, names: Sequence[str], settings: Sections) -> list[Components]:
     """Return what the parts of a window tell, on the scales of the answers.
 
     These are Student's factor of their scatter, and on the first part, which stands for all, twice what
@@ -184,19 +155,17 @@ def causes_of_parts(
 
     Parameters
     ----------
-    window : DataArray (y, x; m)
-        the face.
+    face : Face
+        its window is divided.
     run : callable
         the course on another window.
     names : sequence of str
         the answers.
     settings : mapping
         sections `contact` and `instrument` of the settings.
-    as_measured : DataArray, optional
-        the window before a correction for the instrument.
     """
-    parts = levelled_parts(window)
-    part, instrument = parts[0], stated_instrument(window, settings["instrument"])
+    parts = levelled_parts(face.window)
+    part, instrument = parts[0], stated_instrument(face.window, settings["instrument"])
     courses = [run(piece) for piece in parts]
     on_parts = [on_scales(course, names) for course in courses]
     causes = [components_of(symmetric, 2 * abs(on_scales(run(refined(part, 2)), names) - on_parts[0]))]
@@ -208,11 +177,11 @@ def causes_of_parts(
     def values_of(course: xr.Dataset) -> dict[str, np.ndarray]:
         return {name: course[name].values for name in names}
 
-    def solve(face: xr.DataArray, *_: Any, **__: Any) -> dict[str, np.ndarray]:
-        return values_of(run(face))
+    def solve(window: xr.DataArray, *_: Any, **__: Any) -> dict[str, np.ndarray]:
+        return values_of(run(window))
 
     result = Result(part, {"mean_pressure": np.nan}, values_of(courses[0]), solve)
-    measured_part = None if as_measured is None else levelled_parts(as_measured)[0]
+    measured_part = None if face.as_measured is None else levelled_parts(face.as_measured)[0]
     causes += instrument_components(result, instrument, measured_part, undone(part, instrument))[0]
     for key in INPUTS:
         factors = ends(1.0, settings["contact"].get(name_of_range(key)) or instrument.get(key))
@@ -225,29 +194,19 @@ def causes_of_parts(
     return causes
 
 
-def causes_of_places(
-    window: xr.DataArray,
-    run: Run,
-    names: Iterable[str],
-    levelled: xr.DataArray,
-    overviews: Sequence[xr.DataArray],
-) -> list[Components]:
-    """Return what the places of the largest overview change from that of the map: mean and scatter.
+def causes_of_places(face: Face, run: Run, names: Iterable[str]) -> list[Components]:
+    """Return what the places of the largest overview, if any, change from that of the map: mean and scatter.
 
-    The overviews lie around `levelled`, of which the window is a part. Their load is that of the map by the
-    gradient, so that coarser pixels touch as much. Of the largest pressure an overview tells less.
+    Of the largest pressure an overview tells less.
     """
-    fine = measured_rectangle(levelled)
-    overview = max(overviews, key=lambda field: math.prod(side_lengths(field)))
-    footprint, _ = own_place(fine, overview, overviews)
-    pieces = [
-        footprint,
-        *(overview.isel(place_window) for place_window in windows_of_places(footprint.shape, overview)),
-    ]
-    windows = [subwindow(relevelled(piece, form_order(fine))) for piece in pieces]
-    touching = run.keywords["mean_pressure"] * (rms_gradient(windows[0]) / rms_gradient(window))
+    if not face.overviews or face.levelled is None:
+        return []
     without_peak = [name for name in names if name != PEAK]
-    of_map, *of_places = (on_scales(run(piece, mean_pressure=touching), without_peak) for piece in windows)
+    load = run.keywords["mean_pressure"]
+    of_map, *of_places = (
+        on_scales(run(window, mean_pressure=load * factor), without_peak)
+        for window, factor in windows_elsewhere(face.window, face.levelled, face.overviews)
+    )
     changes = [of_place - of_map for of_place in of_places]
     return [
         components_of(combination.one_sided, xr.concat(changes, "place").mean("place", skipna=False)),

@@ -17,7 +17,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,15 +47,19 @@ _ROUNDING = 4 * np.finfo(float).eps
 SETTLED = 1.1  # ratio of the contact areas after and before a doubling of the distance
 
 
+class Archard(NamedTuple):
+    """The law by which a face is worn, and how its contacts are solved."""
+
+    coefficient: float  # 1/Pa
+    material: Elasticity
+    solve: Callable[..., xr.Dataset]  # `contact_from` at the load
+
+
 class _Worn(NamedTuple):
-    """The face after a distance (m) in its contact, and what the bound of its heights needs."""
+    """The face after a distance (m), in its contact."""
 
     distance: float
     contact: xr.Dataset  # at one load
-    height: xr.DataArray  # m
-    pressure: np.ndarray  # (ny, nx; Pa)
-    energy: float  # upper bound of Phi, Pa m
-    missing: float  # upper bound of the error of the pressure in the norm of G, (Pa m)^(1/2)
     squared_error: float = 0.0  # bound of the mean square of the error of the heights, m2
 
 
@@ -155,7 +158,7 @@ def run_in(
     wear = check_positive("wear_coefficient", wear_coefficient, unit="1/Pa")
     given = np.ravel(np.asarray(sliding_distance, dtype=object)).tolist()
     distances = [0.0 if d == 0 else check_positive("sliding_distance", d, unit="m") for d in given]
-    if not distances or any(later <= earlier for earlier, later in pairwise(distances)):
+    if not distances or distances != sorted({*distances}):
         raise SettingsError(
             f"sliding_distance = {given}: give one or more, each once, in rising order, from 0 on",
             keys=["sliding_distance"],
@@ -168,11 +171,14 @@ def run_in(
     # the parameters of worn faces are of the window, not of the levelled map
     window = own_parameters(window)
     first = solve_contact(window, **options, mean_pressure=load, tolerance=solver_tolerance, threads=threads)
-    faces = worn_faces(first, elasticity(**options), wear, distances, tolerance=tolerance, threads=threads)
+    solver: dict[str, Any] = {"tolerance": solver_tolerance, "zero_frequency": zero_frequency}
+    solve = partial(contact_from, load=load, threads=threads, **solver)
+    faces = worn_faces(first, Archard(wear, elasticity(**options), solve), distances, tolerance=tolerance)
     checked_bodies = check_bodies(bodies) if bodies else []
     rows, areas = [], []
     for steps, worn in enumerate(faces):
-        depth = first["height"].values - worn.height.values
+        contact = worn.contact.assign_attrs(first.attrs)
+        depth = first["height"].values - contact["height"].values
         lost = float(depth.max())
         for which, body in zip(("first", "second"), checked_bodies, strict=False):  # either may have the face
             if lost >= (thickness := top_material(body).get("thickness", math.inf)):
@@ -182,11 +188,10 @@ def run_in(
                     f"{quantity(thickness, 'm')} thick; give shorter distances",
                     keys=["sliding_distance"],
                 )
-        areas.append((worn.distance, relative_contact_area(worn.pressure > 0)))
+        areas.append((worn.distance, relative_contact_area(contact["pressure"].values[0] > 0)))
         if worn.distance in distances:
-            contact = worn.contact.assign_attrs(first.attrs)
             counted = contact_statistics(contact, **{"bodies": bodies, **(statistics or {})}).isel(load=0)
-            numbers = {"height": worn.height.drop_attrs(), "worn_volume": float(depth.mean())}
+            numbers = {"height": contact["height"].drop_attrs(), "worn_volume": float(depth.mean())}
             numbers |= {"max_worn_depth": lost, "time_error_bound": math.sqrt(worn.squared_error)}
             numbers |= {"wear_steps": steps}
             rows.append(counted.drop_dims([*counted.dims]).reset_coords(drop=True).assign(numbers))
@@ -195,40 +200,32 @@ def run_in(
 
 
 def worn_faces(
-    contact: xr.Dataset,
-    material: Elasticity,
-    wear: float,
-    distances: Sequence[float],
-    *,
-    tolerance: float,
-    threads: int = 1,
+    contact: xr.Dataset, law: Archard, distances: Sequence[float], *, tolerance: float
 ) -> Iterator[_Worn]:
     """Yield the face as it is, and after each step, some of which end at the rising `distances` (m).
 
-    `contact` is that of the face at one load; `wear` is the coefficient (1/Pa), `tolerance` relative to the
-    rms height. The squared bound grows by D = k Δs (Phi(h) - Phi(h')) - mean (h' - h)^2 in each step, by at
-    most k^2 Δs^2 times a quarter of the variance of the pressure before it: the first step is as long as that
-    allows. Of what remains of the squared tolerance each has its part of the logarithm of the distance that
-    remains, so that some is left to the end; D of short steps grows as their cube, which predicts the next.
+    `contact` is that of the face at one load; `tolerance` is relative to the rms height. The squared bound
+    grows by D = k Δs (Phi(h) - Phi(h')) - mean (h' - h)^2 in each step, by at most k^2 Δs^2 times a quarter
+    of the variance of the pressure before it: the first step is as long as that allows. Of what remains of
+    the squared tolerance each has its part of the logarithm of the distance that remains, so that some is
+    left to the end; D of short steps grows as their cube, which predicts the next.
 
     Yields
     ------
     _Worn
         whose distances rise from 0.
     """
-    options = {key: contact.attrs[key] for key in ("tolerance", "zero_frequency")}
-    solve = partial(contact_from, load=contact["mean_pressure"].item(), threads=threads, **options)
-    worn = _worn(0.0, contact, material)
+    worn, height = _Worn(0.0, contact), contact["height"]
     yield worn
-    rms_height, spread = float(worn.height.std()), float(worn.pressure.std())
-    is_flat = rms_height <= _ROUNDING * float(abs(worn.height).max())  # and is worn evenly by any step
+    rms_height, spread = float(height.std()), float(contact["pressure"].values.std())
+    is_flat = rms_height <= _ROUNDING * float(abs(height).max())  # and is worn evenly by any step
     allowed = math.inf if is_flat else (tolerance * rms_height) ** 2
-    first_step = 2 * math.sqrt(FIRST_SHARE * allowed) / (wear * spread) if spread > 0 else math.inf
+    first_step = 2 * math.sqrt(FIRST_SHARE * allowed) / (law.coefficient * spread) if spread > 0 else math.inf
     length = first_step = min(first_step, distances[-1])
     for end in distances:
         while worn.distance < end:
             step = min(length, end - worn.distance)
-            worn_after = _step(worn, material, wear, step, solve)
+            worn_after = _step(worn, law, step)
             part = FIRST_SHARE
             if worn.distance > 0:
                 part = math.log1p(step / worn.distance) / math.log(distances[-1] / worn.distance)
@@ -249,42 +246,36 @@ def worn_faces(
             yield worn
 
 
-def _step(
-    worn: _Worn, material: Elasticity, wear: float, step: float, solve: Callable[..., xr.Dataset]
-) -> _Worn:
+def _step(worn: _Worn, law: Archard, step: float) -> _Worn:
     """Return the face after an implicit step (m) of Archard's law."""
-    depth = wear * step  # by pressure, m/Pa
+    material, depth = law.material, law.coefficient * step  # by pressure, m/Pa
     series = replace(material, foundation=depth * material.modulus)
-    pressure = solve(worn.height, series, worn.pressure)["pressure"].values[0]
+    height, before = worn.contact["height"], worn.contact["pressure"].values[0]
+    pressure = law.solve(height, series, before)["pressure"].values[0]
     lost = depth * pressure
-    next_face = _worn(worn.distance + step, solve(worn.height - lost, material, pressure), material)
+    contact = law.solve(height - lost, material, pressure)
     # whatever the solver left open, the pressure of the step is a subgradient of Phi at h' up to the
     # difference of Phi and its own energy, and that counts twice: as an error of the step, and in D
-    own_energy, _ = _energy(pressure, next_face.height, material)
-    change = _norm(worn.pressure - pressure, next_face.height, material) - worn.missing
-    change -= math.sqrt(2 * max(next_face.energy - own_energy, 0.0))
-    growth = depth * (worn.energy + next_face.energy - 2 * own_energy - CONVEXITY * max(change, 0.0) ** 2)
-    return next_face._replace(squared_error=worn.squared_error + max(growth - float(np.var(lost)), 0.0))
+    of_step = contact.assign(pressure=(contact["pressure"].dims, pressure[None]), error_bound=0.0)
+    energies = [_energy(state, material) for state in (worn.contact, contact, of_step)]
+    (energy, missing), (energy_after, _), (own_energy, _) = energies
+    change = _norm(before - pressure, height, material) - missing
+    change -= math.sqrt(2 * max(energy_after - own_energy, 0.0))
+    growth = depth * (energy + energy_after - 2 * own_energy - CONVEXITY * max(change, 0.0) ** 2)
+    growth -= float(np.var(lost))
+    return _Worn(worn.distance + step, contact, worn.squared_error + max(growth, 0.0))
 
 
-def _worn(distance: float, contact: xr.Dataset, material: Elasticity) -> _Worn:
-    """Return the face of a contact after a distance (m)."""
-    height, pressure = contact["height"], contact["pressure"].values[0]
-    bounds = _energy(pressure, height, material, contact["error_bound"].item())
-    return _Worn(distance, contact, height, pressure, *bounds)
+def _energy(contact: xr.Dataset, material: Elasticity) -> tuple[float, float]:
+    """Return an upper bound of Phi (Pa m) by the pressure of a contact, and its error in the norm of G.
 
-
-def _energy(
-    pressure: np.ndarray, height: xr.DataArray, material: Elasticity, error: float = 0.0
-) -> tuple[float, float]:
-    """Return an upper bound of Phi (Pa m) by a pressure of this relative error, and that in the norm of G.
-
-    Without an error it is the energy of the pressure itself.
+    Of a pressure without an error the bound is its own energy.
     """
+    height, pressure = contact["height"].values, contact["pressure"].values[0]
     # both about their means: what all points lose alike is no error of a step
-    work = np.mean((pressure - pressure.mean()) * (height.values - height.values.mean()))
-    size = _norm(pressure, height, material)
-    missing = error * size
+    work = np.mean((pressure - pressure.mean()) * (height - height.mean()))
+    size = _norm(pressure, contact["height"], material)
+    missing = contact["error_bound"].item() * size
     return float(work) - (size**2 - missing**2) / 2, missing
 
 

@@ -136,6 +136,13 @@ def relevelled(area: xr.DataArray, order: int) -> xr.DataArray:
     return area.copy(data=area.values - fit_polynomial(area.values, coordinates, order=order)[0])
 
 
+def levelled_parts(window: xr.DataArray, number: int = 9) -> list[xr.DataArray]:
+    """Return at most `number` parts of a window, each levelled by a plane and periodic."""
+    region = {axis: slice(0, points) for axis, points in zip("yx", window.shape, strict=True)}
+    areas = divided(region, spacing(window), number)
+    return [subwindow(relevelled(window.isel(area), 1)) for area in areas]
+
+
 def divided(region: Slices, step: tuple[float, float], number: int, shortest: float = 0.0) -> list[Slices]:
     """Return the subwindows of a window, with the largest product of their number and squareness.
 
