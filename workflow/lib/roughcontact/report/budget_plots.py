@@ -144,8 +144,9 @@ def cutoff_chart(numbers: xr.Dataset, name: str) -> Chart | None:
     stated = stated_loads(numbers).texts
     loads = np.unique(np.linspace(0, len(stated) - 1, min(len(stated), 4)).round().astype(int))
     text, unit_shown = TITLES[name], unit_of(numbers, UNITS[name])
-    curves = {stated[load]: [numbers[f"{name}_at_cutoff"].values[load] * unit_shown.factor] for load in loads}
-    if not any((values > 0).any() for (values,) in curves.values()):
+    at_cutoff = numbers[f"{name}_at_cutoff"].values * unit_shown.factor
+    curves = {stated[load]: [wavelengths * factor, at_cutoff[load]] for load in loads}
+    if not (at_cutoff[loads] > 0).any():
         return None
     x = log_axis(f"shortest wave kept ({unit})", wavelengths * factor, room=1.3)
-    return curves_chart(x, wavelengths * factor, f"{text} ({unit_shown.symbol})", curves, title=text)
+    return curves_chart(x, f"{text} ({unit_shown.symbol})", curves, title=text)

@@ -354,20 +354,22 @@ class Chart:
 
 
 def curves_chart(
-    x: Axis, abscissa: np.ndarray, label: str, curves: Mapping[str, Sequence[np.ndarray]], *, title: str = ""
+    x: Axis, label: str, curves: Mapping[str, Sequence[np.ndarray]], *, title: str = ""
 ) -> Chart:
-    """Return a chart of curves by name, each its values, or values and both ends, over a logarithmic axis.
+    """Return a chart of curves by name over a logarithmic axis: of each its abscissas, values, and both ends.
+
+    Ends may be left out.
 
     Examples
     --------
     >>> lengths = np.array([1.0, 10.0])
-    >>> chart = curves_chart(log_axis("length (m)", lengths), lengths, "height (m)", {"one": [lengths]})
+    >>> chart = curves_chart(log_axis("length (m)", lengths), "height (m)", {"one": [lengths, 2 * lengths]})
     >>> chart.y.label, [kind for kind, _ in chart.steps]
     ('height (m)', ['line', 'marks'])
     """
-    values = np.concatenate([values for curve in curves.values() for values in curve])
+    values = np.concatenate([values for _, *curve in curves.values() for values in curve])
     chart = Chart(x, log_axis(label, values, room=1.3), title=title)
-    for index, (name, (curve, *ends)) in enumerate(curves.items()):
+    for index, (name, (abscissa, curve, *ends)) in enumerate(curves.items()):
         if ends:
             lower, upper = ends
             chart.bars(abscissa, lower, upper, colour=COLOURS[index % len(COLOURS)])

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import AREA, CONDUCTANCE, FRICTION, GAP, PEAK, TITLES, UNITS
+from roughcontact.arguments.answers import AREA, CONDUCTANCE, ENDS, FRICTION, GAP, PEAK, TITLES, UNITS
 from roughcontact.arguments.quantities import number, quantity
 from roughcontact.arguments.relaxation import MAX_MISFIT
-from roughcontact.report.charts import COLOURS, DASHED, Axis, Chart, curves_chart, load_label, log_axis
+from roughcontact.report.charts import Axis, Chart, curves_chart, load_label, log_axis
 from roughcontact.report.template import sentence
 from roughcontact.report.units import interval_values, length_unit, unit_of
 from roughcontact.results.storage import FAILURE, opened_dataset
@@ -92,30 +92,14 @@ def _unloading(loading: xr.Dataset, residual: xr.Dataset) -> Part:
     peaks = _along(residual, "peak")
     unloadings = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
 
-    def draw() -> Charts:
-        charts = {
-            TITLES[result]: _loading_and_unloading([loading, *unloadings], result) for result in _UNLOADED
-        }
-        return {label: chart for label, chart in charts.items() if chart}
-
+    pascals = unit_of(loading, "Pa")
+    # its intervals are of the corrected numbers
+    ways = {"loading": loading.drop_vars([name for name in map(str, loading) if name.endswith(ENDS[1:])])}
+    ways |= {f"unloading from {quantity(way['peak_pressure'].item(), 'Pa')}": way for way in unloadings}
+    curves = {label: (way["mean_pressure"].values * pascals.factor, way) for label, way in ways.items()}
+    x_axis = log_axis(load_label(pascals), np.concatenate([loads for loads, _ in curves.values()]))
+    draw = partial(_over, curves, _UNLOADED, x_axis)
     return [_lowered(loading, unloading) for unloading in unloadings], draw
-
-
-def _loading_and_unloading(ways: Sequence[xr.Dataset], result: str) -> Chart | None:
-    """Draw one result on loading and on unloading against the load, both logarithmic, if all have it."""
-    if not all(result in way for way in ways):
-        return None
-    pascals, unit = unit_of(ways[0], "Pa"), unit_of(ways[0], UNITS[result])
-    loads = [way["mean_pressure"].values * pascals.factor for way in ways]
-    values = [way[result].values * unit.factor for way in ways]
-    if not (np.concatenate(values) > 0).any():
-        return None
-    y_axis = log_axis(f"{TITLES[result]} ({unit.symbol})", np.concatenate(values), room=1.6)
-    chart = Chart(log_axis(load_label(pascals), np.concatenate(loads)), y_axis)
-    for index, (way, x, y) in enumerate(zip(ways, loads, values, strict=True)):
-        label = f"unloading from {quantity(float(way['peak_pressure']), 'Pa')}" if index else "loading"
-        chart.line(x, y, colour=COLOURS[index % len(COLOURS)], dash=DASHED if index else "", label=label)
-    return chart
 
 
 def _lowered(loading: xr.Dataset, unloading: xr.Dataset) -> str:
@@ -147,18 +131,18 @@ def _sliding_charts(
     course, fastest, speed = ways[first], highest[first], over["speed"].values
     way_labels = [f", {way['direction'].item():g}°" if len(ways) > 1 else "" for way in ways]
     curves = {
-        f"hysteresis, as solved{name}": interval_values(way, FRICTION)
+        f"hysteresis, as solved{name}": [speed, *interval_values(way, FRICTION)]
         for way, name in zip(ways, way_labels, strict=True)
     }
-    curves |= {label: [course[name].values] for name, label in _FRICTIONS.items() if name in over}
+    curves |= {label: [speed, course[name].values] for name, label in _FRICTIONS.items() if name in over}
     x_axis = log_axis("sliding speed v (m/s)", speed, room=1.3)
-    of_friction = curves_chart(x_axis, speed, "coefficient of friction μ", curves)
+    of_friction = curves_chart(x_axis, "coefficient of friction μ", curves)
     pressure = pressure_map(xr.zeros_like(fastest["pressure"]), fastest["pressure"].values)
     return {
         "coefficient of friction over the speed": of_friction,
         f"pressure at {fastest['speed'].item():.3g} m/s{way_labels[first]}": pressure,
         "share of the friction by wavelength": _octaves(fastest),
-        **_over(course, (AREA, GAP), x_axis, speed, "over the speed"),
+        **_over({"": (speed, course)}, (AREA, GAP), x_axis, " over the speed"),
     }
 
 
@@ -199,31 +183,35 @@ def _wear_charts(over: xr.Dataset) -> Charts:
     distances = np.where(distances == 0, distances[distances > 0].min() / 3, distances)
     x_axis = log_axis("sliding distance s (m), leftmost: 0", distances, room=1.3)
     heights = over[[*_HEIGHTS]].where(over[[*_HEIGHTS]] >= CLOSED) * unit.factor
-    curves = {f"{name}, {words}": [heights[name].values] for name, words in _HEIGHTS.items()}
+    curves = {f"{name}, {words}": [distances, heights[name].values] for name, words in _HEIGHTS.items()}
     return {
         "heights before wear": height_map(before["height"], like=before["height"]),
         f"heights after {number(distances[-1])} m": height_map(after["height"], like=before["height"]),
-        **_over(over, _WORN, x_axis, distances, "over the distance"),
-        "height parameters over the distance": curves_chart(
-            x_axis, distances, f"height ({unit.symbol})", curves
-        ),
+        **_over({"": (distances, over)}, _WORN, x_axis, " over the distance"),
+        "height parameters over the distance": curves_chart(x_axis, f"height ({unit.symbol})", curves),
     }
 
 
 def _over(
-    course: xr.Dataset, results: Iterable[str], x_axis: Axis, abscissa: np.ndarray, words: str
-) -> dict[str, Chart]:
-    """Draw the results that a course has, with their intervals, along a logarithmic axis."""
-    lines_drawn = {}
-    for result in (name for name in results if name in course):
-        unit = unit_of(course.isel(dict.fromkeys(course[result].dims, 0)), UNITS[result])
-        # a hardness along the course is no limit of a single contact
-        curves = interval_values(course.drop_vars("hardness", errors="ignore"), result)
+    curves: Mapping[str, tuple[np.ndarray, xr.Dataset]], results: Iterable[str], x_axis: Axis, words: str = ""
+) -> Charts:
+    """Draw results, with their intervals, of curves that have abscissas and numbers each.
+
+    Results that a curve lacks, or that are zero, are left out; words are added to their titles.
+    """
+    courses, charts = [course for _, course in curves.values()], {}
+    for result in (name for name in results if all(name in course for course in courses)):
+        first = courses[0].isel({dim: 0 for dim in courses[0][result].dims if dim != "load"})
+        unit = unit_of(first, UNITS[result])
         lowest = CLOSED if result == GAP else 0.0  # finer than atoms nothing is known
-        curve = [np.where(values >= lowest, values * unit.factor, np.nan) for values in curves]
-        label = f"{TITLES[result]} ({unit.symbol})"
-        lines_drawn[f"{TITLES[result]} {words}"] = curves_chart(x_axis, abscissa, label, {"": curve})
-    return lines_drawn
+        values = {}
+        for name, (abscissa, course) in curves.items():
+            # a hardness along the course is no limit of a single contact
+            ends = interval_values(course.drop_vars("hardness", errors="ignore"), result)
+            values[name] = [abscissa, *(np.where(end >= lowest, end * unit.factor, np.nan) for end in ends)]
+        if any((value > 0).any() for _, value, *_ in values.values()):
+            charts[TITLES[result] + words] = curves_chart(x_axis, f"{TITLES[result]} ({unit.symbol})", values)
+    return charts
 
 
 def _along(numbers: xr.Dataset, dimension: str) -> list[xr.Dataset]:
