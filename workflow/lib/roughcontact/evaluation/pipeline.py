@@ -202,7 +202,6 @@ def complete_statistics(
 
     yielding = add_first_yield(statistics, window, settings["contact"], threads=solver["threads"])
     complete = add_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
-    complete = kind.with_corrected_sizes(complete, yielding)
     area = settings["contact"].get("area")
     complete = with_allowed(add_overview_line(complete), options, area=area)
     linear = settings["contact"]["hardness"] is None
@@ -222,8 +221,7 @@ def after_creep(statistics: xr.Dataset, solution: SolvedMap) -> xr.Dataset:
         solver |= kind.loads_after_creep(solution.window, softer, solver)
         result = solve_and_evaluate(solution.window, softer, solver)
         softer_result = solution._replace(settings=softer, solver=solver, inputs=result.for_budget)
-        numbers = with_uncertainty(result.statistics, kind.budget(softer_result))
-        return kind.with_corrected_sizes(numbers, result.statistics)
+        return with_uncertainty(result.statistics, kind.budget(softer_result))
 
     return with_creep(statistics, settings["contact"], crept)
 

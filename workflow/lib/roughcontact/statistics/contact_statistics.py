@@ -268,11 +268,13 @@ def leaks_of_seal(
     return leak_columns(columns["mean_gap"], columns, **fluid), numbers
 
 
+_SIZES = {"contact_area": 1.0, "contact_radius": 0.5}  # of a finite body -> the power of the area
 # variable -> the quantity and its power that it goes with, where the budget corrects that
 _PROPORTIONAL = {
     **dict.fromkeys(("contact_stiffness", "thermal_conductance", "electrical_conductance"), (CONDUCTANCE, 1)),
     **dict.fromkeys(("thermal_resistance", "electrical_resistance"), (CONDUCTANCE, -1)),
     **dict.fromkeys(("friction_coefficient", *_FLASH_TEMPERATURES), (AREA, 1)),
+    **{name: (AREA, power) for name, power in _SIZES.items()},
 }
 
 
@@ -370,7 +372,7 @@ def _factors(statistics: xr.Dataset, name: str) -> tuple[xr.DataArray | float, x
 
 
 def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Return the ends of what is contact area or K/E* times a property of the bodies, and of resistances."""
+    """Return the ends of sizes, of area or K/E* times a property of the bodies, and of resistances."""
     lowest, most = _factors(statistics, "electrical_resistivity")
     proportions = {
         "thermal_conductance": (CONDUCTANCE, _factors(statistics, "thermal_conductivity")),
@@ -391,6 +393,10 @@ def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
             # a conductance without an upper end leaves a resistance down to none
             bounds[f"{resistance}_lower"] = (1 / upper).fillna(0.0).where(lower.notnull())
             bounds[f"{resistance}_upper"] = (1 / lower).where(lower > 0)
+    for name, power in _SIZES.items():
+        if {name, f"{AREA}_lower"} <= {*statistics}:
+            ratios = {end: statistics[f"{AREA}{end}"] / statistics[AREA] for end in ENDS[1:]}
+            bounds |= {f"{name}{end}": statistics[name] * ratio**power for end, ratio in ratios.items()}
     return bounds
 
 

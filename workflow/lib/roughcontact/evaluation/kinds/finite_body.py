@@ -13,7 +13,6 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.finite_body import ends_at_edges, form_radii, recover_roughness
 from roughcontact.arguments.kinds import FINITE_BODY
 from roughcontact.arguments.maps import height_map, spacing
@@ -65,16 +64,6 @@ class FiniteBody(FiniteBodyPreparation, PeriodicMap):
             scatter_of=partial(scatter_of_positions, shifts),
             refine=halved_pixels,
         )
-
-    def with_corrected_sizes(self, statistics: xr.Dataset, solved: xr.Dataset) -> xr.Dataset:
-        """Return the statistics with area and radius of the contact that follow from the relative area."""
-        sizes = {}
-        for name, power in (("contact_area", 1.0), ("contact_radius", 0.5)):
-            for suffix in ENDS:
-                if (area := f"relative_contact_area{suffix}") in statistics:
-                    ratio = statistics[area] / solved["relative_contact_area"]
-                    sizes[f"{name}{suffix}"] = solved[name] * ratio**power
-        return statistics.assign(sizes)
 
     def add_improvement(self, statistics: xr.Dataset) -> xr.Dataset:
         """Return the statistics as they are: a longer map does not bring the positions nearer together."""

@@ -109,10 +109,6 @@ class PeriodicMap(MapPreparation):
         """Return the levelled map of which the window is a part."""
         return solution.levelled
 
-    def with_corrected_sizes(self, statistics: xr.Dataset, solved: xr.Dataset) -> xr.Dataset:
-        """Return the statistics with all that follows from an area which the budget has corrected."""
-        return statistics
-
     def add_improvement(self, statistics: xr.Dataset) -> xr.Dataset:
         """Return the statistics with what would halve their ±."""
         return add_halving(statistics, overview=not self.without_overview)
