@@ -87,20 +87,16 @@ def relative_positions(
 
 def _max_shift(pair: Pair, overlap: float) -> np.ndarray:
     """Return the largest shift (y, x), m."""
-    lower, upper = pair.lower, pair.upper
-    cosine, sine = (abs(v) for v in pair.turn)
-    reach = []
-    for axis in (0, 1):
-        along, across = upper.lengths[axis], upper.lengths[1 - axis]
+    lengths, of_upper = np.array(pair.lower.lengths), np.array(pair.upper.lengths)
+    cosine, sine = np.abs(pair.turn)
+    with np.errstate(divide="ignore"):  # at right angles
         # length of the rotated rectangle through its middle
-        side = min(along / cosine if cosine else np.inf, across / sine if sine else np.inf)
-        face_length = lower.lengths[axis]
-        # the shorter side stays covered to its share
-        free = abs(face_length - side) / 2 + (1 - overlap) * min(face_length, side)
-        if upper.periodic:  # any shift within half a period
-            free = side / 2
-        reach.append(0.0 if lower.shape[axis] == 1 else free)  # a profile does not move across itself
-    return np.array(reach)
+        sides = np.minimum(of_upper / cosine, of_upper[::-1] / sine)
+    # the shorter side stays covered to its share
+    free = np.abs(lengths - sides) / 2 + (1 - overlap) * np.minimum(lengths, sides)
+    if pair.upper.periodic:  # any shift within half a period
+        free = sides / 2
+    return np.where(np.array(pair.lower.shape) == 1, 0.0, free)  # a profile does not move across itself
 
 
 def _aligned_shift(pair: Pair, shift: np.ndarray) -> tuple[float, ...]:

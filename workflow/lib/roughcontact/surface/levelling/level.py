@@ -131,8 +131,7 @@ def level(
     _check_missing(missing, height, outlier_kinds.total(), max_missing)
     # positions and heights of rejected points only: memory may not hold another copy of a large map
     is_rejected = missing & np.isfinite(height.values)
-    rejected_heights = height.values[is_rejected].astype(float)
-    rejected_heights -= np.broadcast_to(offsets[:, None], values.shape)[is_rejected]
+    rejected_heights = height.values[is_rejected] - offsets[np.nonzero(is_rejected)[0]]
 
     form_record: dict[str, dict] = {}
     if form != "none":

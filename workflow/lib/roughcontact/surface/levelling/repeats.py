@@ -63,9 +63,8 @@ def noise_of_repeats(height: xr.DataArray, repeat: xr.DataArray) -> tuple[float,
     rms, clusters = _rms(residual), _gathered(residual)
     axes = "yx"[-shift.size :]  # a profile is a row
     shifts = (f"{number(along, decimals=2)} along {axis}" for along, axis in zip(shift, axes, strict=True))
-    pixels = ", ".join(shifts)
     # where it would have made the noise too large
-    note = f"as by a shift of {pixels} (pixels)" if rms < _EVEN * rms_raw else ""
+    note = f"as by a shift of {', '.join(shifts)} (pixels)" if rms < _EVEN * rms_raw else ""
     if not clusters:
         # each of both maps has half of the variance of their difference
         return rms / math.sqrt(2), f"{note}, which their noise leaves out" if note else ""
