@@ -88,7 +88,7 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     dims: dict[Hashable, tuple[Hashable, ...]] = {}
     for arrays in datasets.values():
         for name, array in arrays.items():
-            for dim, size in zip(array.dims, array.values.shape, strict=True):
+            for dim, size in array.sizes.items():
                 sizes[dim] = max(size, sizes.get(dim, 0))
             dims[name] = array.dims
     # times of creep may differ from case to case: each has its own place
@@ -105,8 +105,12 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in names_of_dim)), np.nan)
         for position, arrays in datasets.items():
             if name in arrays:
-                places = _places(arrays, name, times)
-                values[(*position, ...)][places] = arrays[name].values
+                # from the beginning, but each time of creep at its own
+                places = (
+                    np.searchsorted(times, arrays["time"].values) if dim == "time" else slice(size)
+                    for dim, size in arrays[name].sizes.items()
+                )
+                values[(*position, ...)][tuple(places)] = arrays[name].values
         # depths differ from surface to surface: a coordinate, no dimension
         columns["profile_depth" if name == "depth" else name] = (("case", "surface", *names_of_dim), values)
     coordinates = _labels("surface", surfaces) | dict.fromkeys(["time"] * bool(times), times)
@@ -134,17 +138,6 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     if cases == [None]:
         return result.isel(case=0)
     return result.assign_coords(_labels("case", cases))
-
-
-def _places(
-    arrays: Mapping[Hashable, xr.Variable], name: Hashable, times: Sequence[float]
-) -> tuple[Any, ...]:
-    """Return where the values of a surface stand: from the beginning, but each time of creep at its own."""
-    array = arrays[name]
-    return tuple(
-        np.searchsorted(times, arrays["time"].values) if dim == "time" else slice(size)
-        for dim, size in zip(array.dims, array.values.shape, strict=True)
-    )
 
 
 def _labels(dim: str, names: Sequence[str | None]) -> dict[str, Any]:

@@ -79,9 +79,8 @@ def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | 
         )
     rows: list[dict[str, Any]] = []
     for name in dict.fromkeys([*earlier, *later]):
-        label = dict(zip(labels, name, strict=True))
         for old, new in _pairs(earlier.get(name), later.get(name)):
-            rows += [label | row for row in _judged(old, new, share)]
+            rows += [dict(zip(labels, name, strict=True)) | row for row in _judged(old, new, share)]
     if not rows:
         raise InputFileError(
             "nothing to compare: one of the files holds no ± (uncertainty: {sources: []} in its settings); "

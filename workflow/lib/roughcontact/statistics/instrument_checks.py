@@ -65,8 +65,7 @@ def shortest_measured_wave(window: xr.DataArray) -> float:
     """Return the shortest wave (m) of a window: of pixels, band or S-filter, or where its spectrum ends."""
     ends = window.attrs.get("spectrum_exponent", 0.0) < SPECTRUM_ENDS
     spectrum_end = window.attrs["spectrum_end"] if ends else 0.0
-    limits = shortest_reliable_wave(window), s_index(window.attrs), spectrum_end
-    return max(2 * max(spacing(window)), *limits)
+    return max(2 * max(spacing(window)), shortest_reliable_wave(window), s_index(window.attrs), spectrum_end)
 
 
 def smoothed(window: Attributes) -> Check:
