@@ -12,53 +12,9 @@ from typing import Any
 
 from roughcontact.arguments.rows import rows_beside
 
-# arguments, and keys of mappings among them, that are lengths, and pressures
-_LENGTHS = (
-    "s_filter l_filter shortest_wavelength longest_wavelength thickness shift noise resolution wavelength "
-    "tip_radius spacing sliding_distance seal.width seal.perimeter seal.mean_free_path requirement.gap "
-    "joint.temperature_jump joint.film_thickness"
-)
-_PRESSURES = (
-    "contact_modulus mean_pressure peak_pressure hardness youngs_modulus yield_stress start moduli "
-    "shear_strength allowed_pressure long_time_modulus requirement.pressure seal.pressure_difference "
-    "seal.outlet_pressure"
-)
-# base unit: what it is of, the spellings offered in a message, the arguments that may be text with a unit
-_KINDS = {
-    "m": ("length", "m, mm, um, µm, nm, Å, pm, inch, mil, uin and the written-out words", _LENGTHS),
-    "Pa": ("pressure", "Pa, kPa, MPa, GPa, N/mm2, bar, psi", _PRESSURES),
-    "degree": ("angle", "deg, °, rad", "rotation rotations direction"),
-    "W m-1 K-1": (
-        "conductivity",
-        "W/(m K)",
-        "thermal_conductivity joint.gas_conductivity joint.film_conductivity",
-    ),
-    "Ohm m": ("resistivity", "Ohm m, Ohm cm, uOhm cm", "electrical_resistivity"),
-    "Pa s": ("viscosity", "Pa s, mPa s, cP", "seal.viscosity"),
-    "J m-2": ("work of adhesion", "J/m2, mJ/m2", "work_of_adhesion"),
-    "Pa-1": ("wear coefficient", "1/Pa, mm3/(N m), mm2/N", "wear_coefficient"),
-    "N": ("force", "nN, µN, mN, N, kN, MN, kgf", "force"),
-    "m2": ("area", "m2, cm2, mm2, um2, nm2", "joint.area"),
-    "m s-1": ("speed", "m/s, cm/s, mm/s, um/s, m/min, km/h, ft/min, in/s", "speed"),
-    "m2 s-1": ("diffusivity", "m2/s, cm2/s, mm2/s", "thermal_diffusivity"),
-    "s": ("time", "µs, ms, s, min, h, d, years", ""),
-    "s-1": ("frequency", "mHz, Hz, kHz, MHz, rad/s", ""),
-    "m3 s-1": (
-        "leak",
-        "ml/h, ml/min, l/h, mm3/s, m3/s, of a gas behind the seal: mbar l/s over mbar there",
-        "seal.allowed_leak requirement.leak",
-    ),
-    "Ohm": ("resistance", "uOhm, mOhm, Ohm, kOhm", "joint.allowed_resistance requirement.resistance"),
-    "m2 K W-1": ("thermal resistance times area", "m2 K/W, mm2 K/W", "requirement.thermal_resistance"),
-    "Ohm m2": (
-        "specific contact resistance",
-        "Ohm m2, Ohm cm2, mOhm cm2, mOhm mm2, uOhm mm2",
-        "requirement.contact_resistance",
-    ),
-    "K": ("temperature difference", "mK, K", "joint.allowed_temperature_drop requirement.temperature_drop"),
-    "W": ("heat flow", "mW, W, kW", "joint.heat_flow"),
-}
-BASES = {name: base for base, (_, _, names) in _KINDS.items() for name in names.split()}
+# base unit -> what it is of, the arguments that may be text with a unit, the spellings offered in a message
+_KINDS = {base: kind for base, *kind in rows_beside(__file__, "bases.tsv")}
+BASES = {name: base for base, (_, names, _) in _KINDS.items() for name in names.split()}
 _RAISED = str.maketrans("23", "²³")
 _SIGNS = {"Ohm": "Ω"}  # of units whose symbol is none of Latin letters
 _NUMBER = r"([+-]?(?>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))"  # no digit of it is left for a unit
@@ -143,7 +99,7 @@ def unknown_unit(unit: object, base: str) -> str:
     # all capitals of the nearest word, since they may be different units
     suggestions = [repr(name) for match in close_matches for name in _spellings_like(match, base).values()]
     hint = f"did you mean {' or '.join(suggestions)}? " if suggestions else ""
-    quantity, usual, _ = _KINDS[base]
+    quantity, _, usual = _KINDS[base]
     return f"unknown {quantity} unit {str(unit)!r}; {hint}accepted are {usual}"
 
 

@@ -9,6 +9,7 @@ from typing import get_args
 from roughcontact.arguments.checking import marker_values
 from roughcontact.arguments.choices import LayInGroup, check_choice
 from roughcontact.arguments.rectangles import parse_rectangles
+from roughcontact.arguments.rows import rows_beside
 from roughcontact.arguments.settings.models import Instrument
 from roughcontact.arguments.units import convert_to_base_unit, unit_factor, unknown_unit
 from roughcontact.errors import SettingsError
@@ -26,20 +27,7 @@ REGION = ("crop", "mask")
 TEXTS = (*(entry.name for entry in fields(Request) if entry.name not in NUMBERS), *REGION)
 INSTRUMENT = tuple(key for key in Instrument.model_fields if key != "correct")  # prevail over the settings
 _CHOICES = CHOICES | {"lay": LayInGroup, PAIR_FIRST_ROW: CHOICES["first_row"]}
-# of columns that no option of the program has
-_MEANINGS = {
-    GROUP: "finish of the map: maps of one group have one result together, groups are compared",
-    SPECIMEN: "workpiece, where a group has several maps of one",
-    TILES: "2x2: the map is cut into so many parts along x and y, each solved as if measured alone",
-    PAIR: "file of the face in contact with this one",
-    PAIR_FIRST_ROW: "top or bottom: position of the first row in that file",
-    BEFORE: "surface of the table that is the same place before wear, heat, polish",
-    REPEAT: "surface of the table that is the same place, nothing done in between: the noise follows",
-    OVERVIEW: "files of coarser maps of a larger field around this one, between semicolons",
-    OVERVIEW_POSITION: "x and y of the middle of the map in each, where it cannot be found: 300 250 um",
-    "crop": "rectangle that is used, x y x y of two corners and the unit: 20 10 120 110 um",
-    "mask": "rectangles that count as not measured (dust, a scratch, an edge), separated by semicolons",
-}
+_MEANINGS = dict(rows_beside(__file__, "columns.tsv"))  # of columns that no option of the program has
 _OWN = (GROUP, SPECIMEN, TILES, PAIR, PAIR_FIRST_ROW, BEFORE, REPEAT, OVERVIEW, OVERVIEW_POSITION)
 COLUMNS = (*REQUIRED, *_OWN, *TEXTS, *NUMBERS, *INSTRUMENT)
 
