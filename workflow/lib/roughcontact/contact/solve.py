@@ -358,20 +358,16 @@ def _check_periodic(
     warn_of_seams(window, problem.gradient, stacklevel=5)
 
 
-def _check_finite_body(*_: Any) -> None:
-    """Check nothing: `free_solutions` checks each force against its region."""
-
-
 class Method(NamedTuple):
-    """How the problems of a kind are solved, load by load."""
+    """How the problems of a kind are solved, load by load; forces are checked each against its region."""
 
-    check: Callable[..., None]
     solutions: Callable[..., Iterator[tuple[FieldsInUnits, Any, float]]]
+    check: Callable[..., None] = lambda *_: None
 
 
 METHODS: dict[str, Method] = {
-    PERIODIC_MAP.name: Method(_check_periodic, periodic_solutions),
-    FINITE_BODY.name: Method(_check_finite_body, free_solutions),
+    PERIODIC_MAP.name: Method(periodic_solutions, _check_periodic),
+    FINITE_BODY.name: Method(free_solutions),
 }
 
 

@@ -105,33 +105,19 @@ class Plan:
             name: Role(file, file.read_arguments, "levelled", (("prepare_face", "levelled"),))
             for name, file in self.measured.items()
         }
-        roles |= {
-            name: Role(row, row.read_arguments, "window", ((self._prepare(name), "window"),))
-            for name, row in self.table.items()
-        }
+        for name, row in self.table.items():
+            rule: Rule = "prepare_with_overview" if name in self.with_overview else "prepare"
+            roles[name] = Role(row, row.read_arguments, "window", ((rule, "window"),))
         for name, placement in self.placements.items():
             face, counter_face = sides = placement.face, placement.counter_face
-            roles[name] = Role(
-                self.table[placement.pair],
-                {
-                    **vars(placement),
-                    "composite": self.common["composite"],
-                    "sides": {side: self.measured[side].read_arguments for side in sides},
-                },
-                "window",
-                (("prepare_face", "face"), ("prepare_face", "counter_face"), ("superpose", "window")),
-                {
-                    "height": (face, "height"),
-                    "counter_height": (counter_face, "height"),
-                    "face": (face, "levelled"),
-                    "counter_face": (counter_face, "levelled"),
-                },
-            )
+            cells = vars(placement) | {"composite": self.common["composite"]}
+            cells["sides"] = {side: self.measured[side].read_arguments for side in sides}
+            jobs: tuple[tuple[Rule, str], ...]
+            jobs = ("prepare_face", "face"), ("prepare_face", "counter_face"), ("superpose", "window")
+            files = {"height": (face, "height"), "counter_height": (counter_face, "height")}
+            files |= {"face": (face, "levelled"), "counter_face": (counter_face, "levelled")}
+            roles[name] = Role(self.table[placement.pair], cells, "window", jobs, files)
         return roles
-
-    def _prepare(self, surface: str) -> Rule:
-        """Return the rule that prepares a single map."""
-        return "prepare_with_overview" if surface in self.with_overview else "prepare"
 
     @cached_property
     def pairs(self) -> dict[str, list[str]]:
@@ -147,10 +133,9 @@ class Plan:
         return [name for row in self.table for name in self.pairs.get(row, [row])]
 
     @cached_property
-    def with_overview(self) -> dict[str, list[dict[str, Any]]]:
-        """Surface -> the arguments to read the coarser maps around it, of those that have some."""
-        overviews = {name: row.read_arguments.get("overview", []) for name, row in self.table.items()}
-        return {name: files for name, files in overviews.items() if files}
+    def with_overview(self) -> list[str]:
+        """The surfaces around which there are coarser maps."""
+        return [name for name, row in self.table.items() if row.read_arguments.get("overview")]
 
     @cached_property
     def groups(self) -> dict[str, dict[str, str]]:
@@ -244,15 +229,9 @@ class Plan:
         case, surface = split(result)
         if rule.startswith("prepare"):
             row = self.measured[surface]
-            files_along = [
-                *(
-                    entry
-                    for key in ("repeats", "along", "place")
-                    for entry in row.read_arguments.get(key, ())
-                ),
-                *self.with_overview.get(surface, ()),
-            ]
-            return [*dict.fromkeys([str(row.path), *(entry["path"] for entry in files_along)])]
+            keys = ("repeats", "along", "place", "overview")
+            others = (entry["path"] for key in keys for entry in row.read_arguments.get(key, ()))
+            return [*dict.fromkeys([str(row.path), *others])]
         path = relaxation_table(self.cases[case]["contact"]["bodies"])
         relaxation = [path] if path else []
         if rule == "slide":
@@ -277,10 +256,14 @@ class Plan:
         return stage_settings(self.cases[case], stage)
 
     @cached_property
+    def jobs(self) -> list[tuple[Rule, str]]:
+        """Rule and result of all jobs of the chain."""
+        return [*dict.fromkeys(job for result in self.results for job in self.contributing(result))]
+
+    @cached_property
     def files(self) -> list[str]:
         """The paths of all files that the jobs of the chain write."""
-        jobs = dict.fromkeys(job for result in self.results for job in self.contributing(result))
-        files = [f"results/{folder}/{stage}.nc" for rule, folder in jobs for stage in STAGES[rule]]
+        files = [f"results/{folder}/{stage}.nc" for rule, folder in self.jobs for stage in STAGES[rule]]
         files += [f"results/{result}/panel.{kind}" for result in self.results for kind in ("html", "json")]
         return files
 
@@ -294,17 +277,12 @@ class Plan:
     def report_arguments(self) -> dict[str, Any]:
         """Return the keyword arguments of `write_results` that the settings and the table give."""
         settings = dict(self.cases)
-        of_statistics = {
-            case: stage_settings(settings_of_case, "statistics")
-            for case, settings_of_case in settings.items()
-        }
+        of_statistics = {case: stage_settings(entry, "statistics") for case, entry in settings.items()}
         return {
             "title": self.common["report"]["title"],
             "settings": settings.get("", settings),
             "settings_of_statistics": of_statistics.get("", of_statistics),
-            "changed": {
-                case: changed_settings(settings_of_case) for case, settings_of_case in settings.items()
-            },
+            "changed": {case: changed_settings(entry) for case, entry in settings.items()},
             "groups": self.groups,
             "pairs": self.pairs,
             "same_area_pairs": self.same_area_pairs,
@@ -383,13 +361,12 @@ class Plan:
 
     def expected(self, points: Callable[[str], int]) -> dict[tuple[Rule, str], tuple[float, int]]:
         """Return minutes and threads of the jobs of the chain, by rule and result; `points` of a result."""
-        jobs = dict.fromkeys(job for result in self.results for job in self.contributing(result))
         return {
             (rule, result): (
                 self.minutes(rule, result, points=points(result)),
                 self.threads(result) if rule in ("contact", "statistics") else 1,
             )
-            for rule, result in jobs
+            for rule, result in self.jobs
         }
 
     def log_files(self, result: str) -> list[str]:

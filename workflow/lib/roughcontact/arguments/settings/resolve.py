@@ -13,6 +13,7 @@ from roughcontact.arguments.kinds import facts_of_settings
 from roughcontact.arguments.materials import contact_modulus
 from roughcontact.arguments.named_materials import TRANSPORT, modulus_uncertainty, named_bodies
 from roughcontact.arguments.ranges import OF_BODIES, ends, name_of_range, shares_of_range
+from roughcontact.arguments.rows import rows_beside
 from roughcontact.arguments.settings.messages import dotted, mistake, name_mistake, named, setting_error
 from roughcontact.arguments.settings.models import Settings
 from roughcontact.arguments.settings.plausible import implausible_together
@@ -23,39 +24,12 @@ from roughcontact.errors import SettingsError
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure", "force"))
 # what steel on PEEK is written as
 _BODIES = "bodies: [steel, {youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
-# key of `statistics`, what it needs one of, and what is wrong without
-_SHEAR, _STRENGTH, _SPEED = (f"friction.{key}" for key in ("tangential_load", "shear_strength", "speed"))
-_STATED = "of both bodies: state it for one whose material has none"
-_CONDUCTING = ("thermal_conductivity",), f"needs the thermal_conductivity {_STATED}"
-_RESISTING = ("electrical_resistivity",), f"needs the electrical_resistivity {_STATED}"
-_OF_AREA = ("joint.area", "area"), "needs the area of the joint"
-_OF_SEAL = ("seal.perimeter",), "needs the perimeter of the seal"
-_FLOWING = ("joint.heat_flow",), "needs the heat_flow through the joint"
-_NEEDS = (
-    *((f"joint.{key}", *_CONDUCTING) for key in ("gas_conductivity", "film_thickness", "heat_flow")),
-    ("joint.gas_conductivity", ("joint.temperature_jump",), "needs temperature_jump, or leave both out"),
-    ("joint.temperature_jump", ("joint.gas_conductivity",), "needs gas_conductivity, or leave both out"),
-    ("joint.allowed_resistance", *_RESISTING),
-    ("joint.allowed_resistance", *_OF_AREA),
-    ("joint.allowed_temperature_drop", *_FLOWING),
-    ("joint.heat_flow", *_OF_AREA),
-    ("seal.allowed_leak", *_OF_SEAL),
-    ("requirement.leak", *_OF_SEAL),
-    ("requirement.resistance", *_RESISTING),
-    ("requirement.resistance", *_OF_AREA),
-    ("requirement.temperature_drop", *_FLOWING),
-    ("requirement.thermal_resistance", *_CONDUCTING),
-    ("requirement.contact_resistance", *_RESISTING),
-    ("seal.mean_free_path", ("seal.outlet_pressure",), "is of a gas; give its outlet_pressure, too"),
-    ("joint.film_thickness", ("joint.film_conductivity",), "needs film_conductivity, or leave both out"),
-    ("joint.film_conductivity", ("joint.film_thickness",), "needs film_thickness, or leave both out"),
-    ("friction", (_SHEAR, _STRENGTH, _SPEED), "has no result; add tangential_load, shear_strength or speed"),
-    (_SHEAR, ("friction.coefficient",), "needs the coefficient"),
-    (f"{_STRENGTH}_uncertainty", (_STRENGTH,), "needs the shear_strength"),
-    (_SPEED, ("friction.coefficient", _STRENGTH), "needs the coefficient or shear_strength"),
-    (_SPEED, *_CONDUCTING),
-    ("friction.thermal_diffusivity", (_SPEED,), "is of sliding; give the speed as well, or leave it out"),
-)
+# keys of `statistics`, what they need one of, and what is wrong without
+_NEEDS = [
+    (key, {*any_of.split()}, text)
+    for keys, any_of, text in rows_beside(__file__, "needs.tsv")
+    for key in keys.split()
+]
 _RIGID = 0.01  # share of a rigid face in the displacement
 # keys that are the same for all cases
 _COMMON = ("surfaces", "composite", "report", "cases")
@@ -192,21 +166,21 @@ def _mistakes_in_statistics(settings: Mapping[str, Any]) -> Mistakes:
         if any(body[key] for body in contact["bodies"] or ()):
             given_keys.add(key)
     facts = facts_of_settings(settings)
-    for key, prerequisites, text in _NEEDS:
+    for key, any_of, text in _NEEDS:
         # what is excluded needs nothing
         excluded = any(facts.reason_against(f"statistics.{name}") for name in (key, key.partition(".")[0]))
-        if key in given_keys and not given_keys & {*prerequisites} and not excluded:
+        if key in given_keys and not given_keys & any_of and not excluded:
             yield f"statistics.{key}", f": {text}"
     if statistics["stress"] == "always" and not contact["bodies"]:
         yield "statistics.stress", " = 'always': needs contact.bodies, for their Poisson's ratios"
     if "seal" in given_keys and statistics["flow"] == "never":
         yield "statistics.seal", ": leaks by the flow, and statistics.flow = 'never'; leave one of them out"
-    if _SHEAR in given_keys and contact["hardness"] is not None:
+    if "friction.tangential_load" in given_keys and contact["hardness"] is not None:
         text = (
             f": stick and slip are of elastic bodies, and the hardness is {contact['hardness']:g} Pa; leave "
         )
         advice = "tangential_load out, or the hardness, which of a material by its name is "
-        yield f"statistics.{_SHEAR}", f"{text}{advice}{{material: steel, hardness: null}}"
+        yield "statistics.friction.tangential_load", f"{text}{advice}{{material: steel, hardness: null}}"
     for name in statistics["requirement"] or ():
         allowed_keys = [key for key in given_keys if key.rpartition(".")[2] == f"allowed_{name}"]
         if f"requirement.{name}" in given_keys and allowed_keys:
@@ -248,9 +222,9 @@ def _mistakes_in_sequences(settings: Mapping[str, Any]) -> Mistakes:
 
 def _mistakes_in_wear(wear: Mapping[str, Any]) -> Mistakes:
     """Yield what is missing for the wear of the face."""
-    if any(wear[key] is not None for key in ("coefficient", "distance", "mean_pressure")):
-        for missing in (key for key in ("coefficient", "distance") if wear[key] is None):
-            yield f"wear.{missing}", ": missing; wear needs the coefficient and the distance"
+    for key in ("coefficient", "distance"):
+        if wear[key] is None and any(wear[other] for other in ("coefficient", "distance", "mean_pressure")):
+            yield f"wear.{key}", ": missing; wear needs the coefficient and the distance"
 
 
 def _mistakes_in_sliding(sliding: Mapping[str, Any], contact: Mapping[str, Any]) -> Mistakes:

@@ -20,6 +20,7 @@ REQUIRED = ("surface", "path")
 PAIR, PAIR_FIRST_ROW = "counter_face", "counter_face_first_row"
 GROUP, SPECIMEN, TILES = "group", "part", "parts"
 BEFORE, REPEAT = "before", "repeat_of"
+OF_SURFACES = (GROUP, REPEAT, BEFORE, TILES)  # whose cells are the properties of `Surface` with these names
 OVERVIEW, OVERVIEW_POSITION = "overview", "overview_position"
 NUMBERS = ("dx", "dy")
 UNITS = ("unit", "height_unit")

@@ -117,18 +117,9 @@ def _read_row(
         )
     overviews, mistakes_in_overviews = read_overviews(row, arguments, path, file)
     arguments |= {columns.OVERVIEW: overviews} if overviews else {}
-    surface = Surface(
-        row["surface"],
-        path,
-        origin,
-        arguments,
-        group=row[columns.GROUP],
-        specimen=row[columns.SPECIMEN],
-        repeat_of=row[columns.REPEAT],
-        before=row[columns.BEFORE],
-        parts=row[columns.TILES],
-        line=line,
-    )
+    cells: dict[str, Any] = {key: row[key] for key in columns.OF_SURFACES}
+    specimen = row[columns.SPECIMEN]
+    surface = Surface(row["surface"], path, origin, arguments, specimen=specimen, line=line, **cells)
     if row[columns.PAIR]:
         surface = surface.with_counter_face(file(row[columns.PAIR]), row[columns.PAIR_FIRST_ROW])
     return surface, mistakes + mistakes_in_overviews
