@@ -50,7 +50,7 @@ def test_every_rule_is_of_a_setting_that_there_is():
     names |= {f"statistics.{name}.{key}" for name, group in groups.items() for key in group.model_fields}
     names |= {*Settings.model_fields}
     for facts in kinds.KIND_FACTS:
-        rules = {*facts.excluded, *chain.from_iterable(facts.excluded_with.values()), *facts.admitted}
+        rules = {*chain.from_iterable(facts.excluded.values()), *facts.admitted}
         rules -= OF_FUNCTIONS
         assert {rule.partition(" = ")[0] for rule in rules} <= names
 

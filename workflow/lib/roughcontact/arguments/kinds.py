@@ -4,23 +4,27 @@ Rooms of every level read these facts by the word `boundary`, which settings, ma
 else compares that word. What a kind does is in `roughcontact.evaluation.kinds`.
 """
 
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from roughcontact.arguments.choices import Boundary
+from roughcontact.arguments.rows import rows_beside
 from roughcontact.errors import SettingsError
 
 Sections = Mapping[str, Mapping[str, Any]]
 
-_PERIODIC = "is for periodic maps, and boundary = free; leave it out"
-_FILTERS = f"{_PERIODIC}; level.s_filter and level.l_filter remove waves"
-_HALF_SPACES = "its results are those of half-spaces, without layers; leave it out"
-_JOINT = "is of a joint with an area, and a body of finite size has that of its map; leave it out"
 _LOCAL_SCALE = (
     " = true: takes form.radius and contact.force of a periodic map; leave out form.edges, "
     "contact.boundary = free, contact.area, joint.area, seal.perimeter, targets and layers"
 )
+
+
+# kind -> "layers" of bodies, "faces" of a pair, "" of all -> setting, or argument -> why it does not apply
+_EXCLUDED: dict[str, dict[str, dict[str, str]]] = defaultdict(lambda: defaultdict(dict))
+for _kind, _property, _settings, _reason in rows_beside(__file__, "excluded.tsv"):
+    _EXCLUDED[_kind][_property] |= dict.fromkeys(_settings.split(", "), _reason)
 
 
 @dataclass(frozen=True)
@@ -61,12 +65,8 @@ class KindFacts:
         what the relative contact area is a share of, and what the half-space is beyond it, in words.
     sentence : str
         that of the report on the size of its contact (`report/templates/sentences.txt`).
-    excluded : mapping
-        setting, section, or argument of a function -> why it does not apply, and the way out.
     admitted : collection of str
         the settings of an excluded section that apply.
-    excluded_with : mapping
-        property of the bodies ("layers") or of the map ("faces", of a pair) -> the same of such ones.
     own_settings : mapping
         stage of the workflow -> settings on which it depends beside its own sections.
     """
@@ -92,10 +92,13 @@ class KindFacts:
     area_reference: str = "nominal area"
     surroundings: str = "of one period"
     sentence: str = ""
-    excluded: Mapping[str, str] = field(default_factory=dict)
     admitted: Collection[str] = ()
-    excluded_with: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     own_settings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def excluded(self) -> Mapping[str, Mapping[str, str]]:
+        """Property of bodies or map, "" of all -> setting, section or argument -> why it does not apply."""
+        return _EXCLUDED[self.name]
 
     def is_stated(self, form: Mapping[str, Any], contact: Mapping[str, Any]) -> bool:
         """Return whether the sections `form` and `contact` of settings, checked or not, state this kind."""
@@ -133,9 +136,7 @@ class KindFacts:
         >>> FINITE_BODY.reason_against("window.min_share = 0.1"), PERIODIC_MAP.reason_against("window.width")
         ('', '')
         """
-        rules = {**self.excluded}
-        for property_ in properties:
-            rules |= self.excluded_with.get(property_, {})
+        rules = {key: why for property_ in ("", *properties) for key, why in self.excluded[property_].items()}
         name = setting.partition(" = ")[0]
         section = "" if name in self.admitted else name.partition(".")[0]
         return next((rules[key] for key in (setting, name, section) if key in rules), "")
@@ -208,38 +209,8 @@ class LocalScaleFacts(KindFacts):
             yield "form.local_scale", _LOCAL_SCALE
 
 
-PERIODIC_MAP = KindFacts(
-    excluded_with={
-        "layers": {
-            "statistics.friction.tangential_load": _HALF_SPACES,
-            "statistics.friction.speed": _HALF_SPACES,
-        },
-        "faces": {
-            "instrument.correct": "is a pair of faces, each with an instrument of its own; leave it out for "
-            "pairs",
-            "wear": "of two rough faces, whose sum changes while they slide; wear is of one rough face "
-            "against a smooth one: leave out wear.coefficient, or the pair",
-            "sliding": "of two rough faces, whose sum changes while they slide; rubber slides over one rough "
-            "face: leave out sliding.speed, or the pair",
-            "sliding_friction": "the map is the sum of two rough faces, which changes while one slides over "
-            "the other; give the window of the stiff one",
-            "run_in": "the map is the sum of two rough faces, which changes while one slides over the other: "
-            "run_in wears one rough face against a smooth one; give the window of one face",
-        },
-    },
-    excluded={
-        "force": "give the mean_pressure of a periodic map, force over nominal area; a force is for boundary "
-        "'free'",
-        "form": "is of contact.boundary = free; set that, too",
-    },
-)
+PERIODIC_MAP = KindFacts()
 LOCAL_SCALE = LocalScaleFacts(name="local scale", own_settings={"contact": ("form",)})
-_OF_PERIODIC_MAPS = (
-    *("window", "wear", "sliding", "instrument.correct"),
-    *(f"contact.{key}" for key in ("area", "target_area", "target_gap", "target", "unload")),
-    *("statistics.seal", "statistics.work_of_adhesion", "statistics.requirement"),
-    *("statistics.friction.speed", "statistics.friction.tangential_load"),
-)
 FINITE_BODY = FiniteBodyFacts(
     name="finite body",
     boundary="free",
@@ -263,31 +234,6 @@ FINITE_BODY = FiniteBodyFacts(
     surroundings="without neighbours",
     sentence="finite_body",
     admitted=("window.min_share",),
-    excluded={
-        "mean_pressure": "a finite body has no mean pressure; give its force in N",
-        "force": "missing: give the force on the finite body in N",
-        "arrays": "finite bodies are solved by NumPy; leave it out",
-        "solution": "the contact is that of a body of finite size: this is solved for periodic maps",
-        "surface behind profiles": "the surface behind profiles is drawn at random: its ± on a body of "
-        "finite size is unknown; solve_contact takes the map of surface_from_profiles",
-        "contact_table": "a body of finite size has no mean gap; give a periodic map",
-        "contact.zero_frequency": "the approach of a finite body is absolute; leave it out",
-        "statistics.joint.area": "resistances of a finite body are over the area of its map; divide by that, "
-        "and leave the area out",
-        "statistics.joint.heat_flow": _JOINT,
-        "statistics.joint.allowed_resistance": _JOINT,
-        "statistics.joint.allowed_temperature_drop": _JOINT,
-        "contact.precision": "finite bodies are solved in double precision; leave it out",
-        **dict.fromkeys(["window.shortest_wavelength", "window.longest_wavelength"], _FILTERS),
-        **dict.fromkeys(_OF_PERIODIC_MAPS, _PERIODIC),
-    },
-    excluded_with={
-        "layers": {
-            "contact.influence": "layers of a finite body are solved with 'sampled'; leave it out",
-            "statistics.stress = 'always'": "stresses in layers are computed for periodic maps, not for a "
-            "body of finite size",
-        }
-    },
     own_settings={"window": ("form", "contact.boundary")},
 )
 

@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
+from roughcontact.arguments.rows import rows_beside
+
 # attributes of statistics whose text is JSON, and its kind for one surface; by case it is an object
 _OF_STATISTICS: dict[str, type] = {
     **dict.fromkeys(("settings", "versions", "bands", "verdicts", "temperatures"), dict),
@@ -24,26 +26,7 @@ _STRUCTURED: dict[str, type] = _OF_STATISTICS | {
 }
 _INSTRUMENT = "instrument_"  # begins what the table of surfaces, or the settings, say of the instrument
 # attribute of a file -> those of the map that it holds, by a pattern of their names
-_CONCEPTS = {
-    concept: re.compile(names)
-    for concept, names in {
-        "measurement": "source_format|channels?|instrument|y_axis|first_row(_assumed)?"
-        "|missing_(points|share)",
-        "metrological_characteristics": f"{_INSTRUMENT}.*",
-        "reading": "ingest_.*",
-        "levelling": "form|form_removed|outlier.*|line_.*|row_jitter.*|filters_removed"
-        "|fill(ed)?_.*|largest_hole",
-        "roughness_parameters": "[PRSVW][a-z]{1,3}[0-9]?",
-        "traces": "spectrum_.*|rounded_peaks|sharpest_peak_radius|top_exponent|noise_.*|pixel_.*|reliable_.*"
-        "|repeated_heights|quantisation_step",
-        "summit": "summit_.*",
-        "band": "band_.*",
-        "periodic_change": "periodisation_.*|rms_gradient_.*|steepest_share|form_share",
-        "cut_out": "window_.*",
-        "pair": "shift_[xy]|rotation|covered_.*|face_pitches",
-        "ensemble": "profile_.*|profiles_along|pitch_along|stretch",
-    }.items()
-}
+_CONCEPTS = {concept: re.compile(names) for concept, names in rows_beside(__file__, "concepts.tsv")}
 
 
 @dataclass(frozen=True)

@@ -51,32 +51,7 @@ for _name in CREEPING:
     _unit, _meaning = VARIABLES[_name]
     VARIABLES[f"{_name}_after"] = _unit, f"{_meaning}; after a time under a constant load"
 
-_OF_INTERVALS = {
-    "uncertainty": "half-width of the 95 % interval of the {}",
-    "lower": "lower end of the 95 % interval of the {}, mean of maps of this size all over the surface",
-    "upper": "upper end of the 95 % interval of the {}, as for its lower end; none where nothing bounds it",
-    "estimate": "value of the {} that the components of its interval refer to",
-    "as_solved": "{} of the pixels of the map, before the correction for their size",
-    "components": "half-widths and one-sided shifts that the interval of the {} is made of",
-    "map_lower": "lower end of the 95 % interval of the {}, of this map between its own borders",
-    "map_upper": "upper end of the 95 % interval of the {}, of this map between its own borders",
-    "next_lower": "lower end of the 95 % interval of the {} of the next map of this size",
-    "next_upper": "upper end of the 95 % interval of the {} of the next map; none where nothing bounds it",
-    "alone": "{} of this map, without what its overview shows",
-    "alone_lower": "lower end of the 95 % interval of the {}, of the surface without the overview",
-    "alone_upper": "upper end of the 95 % interval of the {}, of the surface without the overview",
-    "joint": "{} of a joint as large as the overview of the map",
-    "joint_lower": "lower end of the 95 % interval of the {}, of a joint as large as the overview",
-    "joint_upper": "upper end of the 95 % interval of the {}, of a joint as large as the overview",
-    "octave_lower": "lower end of the 95 % interval of the {}, with waves one octave shorter",
-    "octave_upper": "upper end of the 95 % interval of the {}, with waves one octave shorter",
-    "next_part_lower": "lower end of the 95 % interval of the mean {} of the next part",
-    "next_part_upper": "upper end of the 95 % interval of the mean {} of the next part",
-    "of_maps": "{} of each map of the group",
-    "parts": "{} of each part of the window, solved by itself",
-    "at_cutoff": "{} of the waves that are kept, by the shortest of them",
-    "as_measured": "{} without the correction for the instrument",
-}
+_OF_INTERVALS = dict(rows_beside(__file__, "endings.tsv"))
 # whose interval follows from another one
 _DERIVED = [
     *("leak_rate_x", "leak_rate_y", "friction_coefficient", "mean_pressure", "contact_stiffness"),

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import roughcontact
+from roughcontact.arguments.rows import rows_beside
 from roughcontact.errors import (
     ConvergenceError,
     HeightMapWarning,
@@ -37,19 +38,8 @@ _DESCRIPTION = (
     "True contact area and contact pressures of measured surfaces: of one map, or of a whole study."
 )
 
-# what a person types, at the end of each help
-_EXAMPLES = {
-    "inspect": "roughcontact inspect ground.x3p",
-    "solve": "roughcontact solve ground.x3p --body steel --body NBR 70",
-    "init": "roughcontact init measured/ --body steel --body copper",
-    "run": "roughcontact run, or first roughcontact run -n",
-    "app": "roughcontact app my-study",
-    "methods": "roughcontact methods results/ground",
-    "table": "roughcontact table results/ground -o ground.csv",
-    "compare": "roughcontact compare results-before results",
-    "export": "roughcontact export results/ground -o ground.xlsx",
-    "crate": "roughcontact crate results --configfile config/config.yaml",
-}
+# command -> what a person types, at the end of its help, and what it does
+_COMMANDS = {name: words for name, *words in rows_beside(__file__, "commands.tsv")}
 
 # options of `init` for other settings, and for columns of the table
 _INITIAL = {
@@ -149,24 +139,25 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
 
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"roughcontact {roughcontact.__version__}")
-    verbs = parser.add_subparsers(
-        required=True,
-        metavar="inspect | solve | init | run | app | methods | table | compare | export | crate",
-    )
+    verbs = parser.add_subparsers(required=True, metavar=" | ".join(_COMMANDS))
 
-    def add_verb(name: str, run: Callable[[argparse.Namespace], int], text: str) -> argparse.ArgumentParser:
+    def add_verb(
+        name: str, run: Callable[[argparse.Namespace], int], **words: Any
+    ) -> argparse.ArgumentParser:
         """Return the parser of one verb, which `run` carries out."""
-        subparser = verbs.add_parser(name, help=text, epilog=f"Example: {_EXAMPLES[name]}")
+        example, text = _COMMANDS[name]
+        holds, _ = saving.EXPORTS.get(name, ("", ""))
+        subparser = verbs.add_parser(name, help=text.format(holds), epilog=f"Example: {example}", **words)
         subparser.set_defaults(run=run)
         return subparser
 
-    inspect = add_verb("inspect", _inspect, "describe the contents of a file, or of all in a folder")
+    inspect = add_verb("inspect", _inspect)
     inspect.add_argument(
         "files", nargs="+", metavar="FILE", help="measured height maps, any format, or folders of them"
     )
     _add_file_options(inspect)
 
-    solve = add_verb("solve", _solve, "read, level, make periodic and solve maps; print the numbers")
+    solve = add_verb("solve", _solve)
     solve.add_argument(
         "files",
         nargs="+",
@@ -187,20 +178,14 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
 
         add_settings(solve)
 
-    init = add_verb("init", _init, "write settings and a table of surfaces, to change and to run")
+    init = add_verb("init", _init)
     init.add_argument("files", nargs="*", metavar="FILE", help="measured height maps, or folders of them")
     if verb == "init":
         _add_initial_settings(init)
 
-    verbs.add_parser(
-        "run",
-        help="run the workflow: all surfaces of the table, to results/report.html",
-        usage="roughcontact run [OPTION ...]",
-        description=_RUN,
-        epilog=f"Example: {_EXAMPLES['run']}",
-    )
+    add_verb("run", _run, usage="roughcontact run [OPTION ...]", description=_RUN)
 
-    app = add_verb("app", _app, "open a page that sets up, runs and shows a study, for use by clicking")
+    app = add_verb("app", _app)
     app.add_argument(
         "folder",
         nargs="?",
@@ -216,7 +201,7 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         "--no-browser", action="store_true", help="print the address of the page, and open no browser"
     )
 
-    methods = add_verb("methods", _methods, f"print {saving.EXPORTS['methods'][0]}")
+    methods = add_verb("methods", _methods)
     methods.add_argument(
         "files",
         nargs="*",
@@ -225,11 +210,11 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         help=f"{_RESULT}, or a folder of several; by default results",
     )
 
-    table = add_verb("table", _table, f"print {saving.EXPORTS['table'][0]}")
+    table = add_verb("table", _table)
     table.add_argument("file", metavar="RESULT", help=f"{_RESULT} (of solve with --flow always)")
     table.add_argument("-o", "--output", type=Path, metavar="TABLE", help="write it, as .csv, .nc or .inp")
 
-    compare = add_verb("compare", _compare, f"list {saving.EXPORTS['compare'][0]}")
+    compare = add_verb("compare", _compare)
     for name in ("before", "after"):
         compare.add_argument(name, metavar="RESULT", help=f"{_RESULT}, or of a run; {name} the change")
     compare.add_argument(
@@ -240,13 +225,13 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     )
     _add_json(compare)
 
-    export = add_verb("export", _export, "write a result of a finished run as another kind of file")
+    export = add_verb("export", _export)
     export.add_argument("folder", type=Path, metavar="RESULT", help=_RESULT)
     export.add_argument(
         "-o", "--output", type=Path, metavar="FILE", required=True, help=_endings(saving.EXPORTED_BY_ENDING)
     )
 
-    crate = add_verb("crate", _crate, f"write {saving.EXPORTS['crate'][0]}")
+    crate = add_verb("crate", _crate)
     crate.add_argument(
         "folder", metavar="FOLDER", help="the results of the run; ro-crate-metadata.json goes there"
     )

@@ -19,7 +19,7 @@ class Medium:
     Lengths may have any unit; so has |q| in `factor`.
     """
 
-    properties: ClassVar[tuple[str, ...]] = ()  # what may exclude settings (`KindFacts.excluded_with`)
+    properties: ClassVar[tuple[str, ...]] = ()  # what may exclude settings (`KindFacts.excluded`)
 
     @property
     def is_homogeneous(self) -> bool:

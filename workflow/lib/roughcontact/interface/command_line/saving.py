@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from roughcontact.arguments.measurement import Instrument, json_attribute
+from roughcontact.arguments.rows import rows_beside
 from roughcontact.errors import InputFileError, SettingsError
 
 if TYPE_CHECKING:
@@ -17,40 +18,12 @@ if TYPE_CHECKING:
 
     from roughcontact.evaluation.pipeline import Chain
 
-# what a file of an ending holds
-CONTENT_BY_ENDING = {
-    ".nc": "all numbers with their intervals, as statistics.nc of a surface (rc.read_statistics, compare)",
-    ".csv": "a row for each load, the columns of summary.csv",
-    ".xlsx": "a workbook: answers, columns of summary.csv, components of the ±, settings, a sheet each",
-    ".html": "the report, a page by itself",
-    ".png": "a figure: area and pressures against the load; pressure and gap at the largest load",
-    ".vti": "maps of height, pressure, gap and contact for ParaView",
-    ".tiff": "the same maps for Gwyddion or ImageJ, a page each",
-    ".gsf": "the map of pressure at the largest load for Gwyddion",
-}
-# the same of a run, which has written the other two already
-EXPORTED_BY_ENDING = {
-    ending: holds for ending, holds in CONTENT_BY_ENDING.items() if ending not in (".nc", ".html")
-}
+_FILES = rows_beside(__file__, "exports.tsv")
 # what can be made of a result in a folder, or of two, and the arguments of the program that make it
-EXPORTS = {
-    "methods": ("a paragraph of methods and answers for a paper", "methods {folder}/statistics.nc"),
-    "table": (
-        "pressure, area and flow factors over the mean gap",
-        "table {folder}/statistics.nc -o {output}-table.csv",
-    ),
-    "compare": (
-        "the numbers of two runs that differ by more than their ±",
-        "compare {before}/statistics.nc {folder}/statistics.nc",
-    ),
-    "crate": (
-        "a description of the run as an RO-Crate, for an archive",
-        "crate results --configfile config/config.yaml",
-    ),
-} | {
-    ending: (holds, f"export {{folder}} -o {{output}}{ending}")
-    for ending, holds in EXPORTED_BY_ENDING.items()
-}
+EXPORTS = {name: (holds, arguments) for name, arguments, holds in _FILES if arguments}
+# what a file of an ending holds, and the same of a run, which has written two of them already
+CONTENT_BY_ENDING = {name: holds for name, _, holds in _FILES if name.startswith(".")}
+EXPORTED_BY_ENDING = {name: holds for name, holds in CONTENT_BY_ENDING.items() if name in EXPORTS}
 _WITHOUT_MAPS = (".nc", ".csv", ".xlsx")
 
 

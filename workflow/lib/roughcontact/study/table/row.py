@@ -38,7 +38,7 @@ class Surface:
 
     @property
     def properties(self) -> tuple[str, ...]:
-        """What may exclude settings (`KindFacts.excluded_with`)."""
+        """What may exclude settings (`KindFacts.excluded`)."""
         return ("faces",) if self.faces else ()
 
     def files(self) -> list["Surface"]:
