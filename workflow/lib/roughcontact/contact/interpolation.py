@@ -41,6 +41,7 @@ class CoarseGrid:
     factors: Factors  # (fy, fx), from the next finer grid
     arrangement: Arrangement  # of the contacts in its cells
     weights: Weights
+    # the next four lie in one memory with those of the other grids
     empty: Array  # share of a cell that counts as gap
     gain: Array  # weight of a cell over the mean weight of its parts
     cell_means: Array
@@ -75,19 +76,11 @@ class Interpolation:
         stores = [empty(like, precision, (bounds[-1],)) for _ in range(4)]
         self.grids = []
         for coarser, (start, stop) in zip(plan, pairwise(bounds), strict=True):
-            gaps, gain, cell_means, work = (xp.reshape(store[start:stop], coarser.shape) for store in stores)
-            self.grids.append(
-                CoarseGrid(
-                    factors=coarser.factors,
-                    arrangement=_arrangement(coarser.shape),
-                    weights=stencil(coarser.pitches, coarser.shape),
-                    empty=gaps,
-                    gain=gain,
-                    cell_means=cell_means,
-                    work=work,
-                    line_gain=empty(like, precision, coarser.shape) if coarser.collapses_lines else None,
-                )
-            )
+            gaps, gain, means, work = (xp.reshape(store[start:stop], coarser.shape) for store in stores)
+            line_gain = empty(like, precision, coarser.shape) if coarser.collapses_lines else None
+            arrangement, weights = _arrangement(coarser.shape), stencil(coarser.pitches, coarser.shape)
+            fields = gaps, gain, means, work, line_gain
+            self.grids.append(CoarseGrid(coarser.factors, arrangement, weights, *fields))
         # a grid of one cell has no axis with neighbours
         along = [axis for axis, cells in enumerate(like.shape) if cells > 1] or [0]
         sizes = np.array([min(p[axis] for axis in along) for p in (pitches, *(c.pitches for c in plan))])

@@ -329,12 +329,12 @@ def _read_arguments(options: argparse.Namespace) -> dict[str, Any]:
 def _inspect(options: argparse.Namespace) -> int:
     """Print the contents of each file, of those in a folder a line; what cannot be read is reported."""
     from roughcontact.interface.command_line.describe import as_json, inspection, overview
-    from roughcontact.interface.command_line.folders import contents_of, is_folder, list_measurements
+    from roughcontact.interface.command_line.folders import contents_of, list_measurements
 
     contents_of_files: list[dict[str, Any]] = []
     code, arguments = 0, _read_arguments(options)
     for file in options.files:
-        if is_folder(file):
+        if os.path.isdir(file):  # noqa: PTH112 - false also of a path that is too long
             folder_contents = [contents_of(path, **arguments) for path in list_measurements(Path(file))[0]]
             contents_of_files += folder_contents
             if not options.json:

@@ -34,7 +34,6 @@ class RuleArguments:
 
     def __init__(self, plan: Plan, scripts: Path):
         self.plan, self.scripts = plan, scripts
-        self.points = cache(self._points)
 
     def file_of(self, name: str, *, earlier: bool = False) -> InputFunction | list[str] | str:
         """Return the input function of a file: the own one, or that of the first case with the same settings.
@@ -136,7 +135,8 @@ class RuleArguments:
             rule == "slide" or rule.startswith("prepare") or (further and rule in ("contact", "statistics"))
         )
 
-    def _points(self, result: str) -> int:
+    @cache  # noqa: B019 - there is one plan
+    def points(self, result: str) -> int:
         """Return about how many points a measured map has, which is known before anything ran."""
         if not result:
             return 0

@@ -56,25 +56,24 @@ class HalfSpace:
         self._like = np.broadcast_to(np.float32(0), self.shape) if like is None else like
         self.elasticity = elasticity
         self._kernels = kernels_for(self._like, threads=threads)
-        self._symbols: dict[str, Array] = {}
-        self._counts: dict[str, Array] = {}
+        self._symbols: dict[str, tuple[Array, Array]] = {}
         self._plans: dict[str, Plan] = {}
 
     @cached_property
     def mean_stiffness(self) -> float:
         """The mean of the symbol |q|/2 of G^-1 over the half-plane, for estimates of rounding errors."""
-        values = self._symbol(SINGLE)
+        values, _ = self._symbol(SINGLE)
         return float(namespace(values).mean(1 / values))
 
     @cached_property
     def largest_stiffness(self) -> float:
         """The largest value of the symbol |q|/2 of G^-1, for a coarse bound."""
-        return 1 / self._kernels.extent(self._symbol(SINGLE))[0]
+        return 1 / self._kernels.extent(self._symbol(SINGLE)[0])[0]
 
     @cached_property
     def compliances(self) -> tuple[float, float]:
         """The mean and the largest value of the symbol 2/|q| of G over the half-plane without q = 0."""
-        values, xp = self._symbol(SINGLE), namespace(self._like)
+        (values, _), xp = self._symbol(SINGLE), namespace(self._like)
         # q = 0, which has no operator, counts as nothing
         values = xp.where(xp.isfinite(values), values, xp.zeros_like(values))
         return float(xp.mean(values)), float(xp.max(values))
@@ -83,7 +82,7 @@ class HalfSpace:
         """Return u = G p with zero mean, in the array `out` if it is given."""
         precision = get_precision(pressure)
         spectrum = self._transform(pressure)
-        self._kernels.multiply(spectrum, self._symbol(precision))
+        self._kernels.multiply(spectrum, self._symbol(precision)[0])
         return self.spectrum_to_field(spectrum, precision, out=out)
 
     def pressure(self, displacement: Array, *, out: Array | None = None) -> Array:
@@ -98,7 +97,7 @@ class HalfSpace:
         """
         precision = get_precision(displacement)
         spectrum = self._transform(displacement)
-        energy = self._kernels.divide(spectrum, self._symbol(precision), self._wave_counts(precision))
+        energy = self._kernels.divide(spectrum, *self._symbol(precision))
         # Parseval: of a transform without a factor
         return spectrum, float(energy) / n_elements(displacement) ** 2
 
@@ -117,7 +116,6 @@ class HalfSpace:
     def release(self) -> None:
         """Release the memory of symbols and transforms; they are allocated again on demand."""
         self._symbols.clear()
-        self._counts.clear()
         self._plans.clear()
 
     def _transform(self, field: Array) -> Array:
@@ -132,21 +130,19 @@ class HalfSpace:
             self._plans[precision] = make_plan(self._like, precision, threads=self.threads, share=share)
         return self._plans[precision]
 
-    def _symbol(self, precision: str) -> Array:
-        """Return the symbol of G, shape (ny, nx//2 + 1); both operators suppress q = 0."""
+    def _symbol(self, precision: str) -> tuple[Array, Array]:
+        """Return the symbol of G, (ny, nx//2 + 1), and the number of waves that each column stands for.
+
+        Both operators suppress q = 0.
+        """
         if precision not in self._symbols:
             # of the cell, in the unit of the lengths
             spacing = self.lengths[0] / self.shape[0], self.lengths[1] / self.shape[1]
             qy, qx = (q.astype(precision) for q in wavevectors(self.shape, spacing))
-            self._symbols[precision] = self.elasticity.symbol(qy, qx, spacing, self._like)
-        return self._symbols[precision]
-
-    def _wave_counts(self, precision: str) -> Array:
-        """Return the number of waves of the full plane that each column of a spectrum represents."""
-        if precision not in self._counts:
             counts = halfplane_weights(self.shape)[0].astype(precision)
-            self._counts[precision] = like_array(counts, self._like)
-        return self._counts[precision]
+            symbol = self.elasticity.symbol(qy, qx, spacing, self._like)
+            self._symbols[precision] = symbol, like_array(counts, self._like)
+        return self._symbols[precision]
 
 
 def zero_frequency_compliance(rule: ZeroFrequency, *, lengths: tuple[float, float]) -> float:

@@ -17,14 +17,6 @@ _DOCUMENTS = {
 _EXAMINED = 2**20  # bytes
 
 
-def is_folder(path: str | Path) -> bool:
-    """Return whether a path is that of a folder, which one too long for any file is not."""
-    try:
-        return Path(path).is_dir()
-    except OSError:
-        return False
-
-
 def contents_of(path: str | Path, **arguments: Any) -> dict[str, Any]:
     """Return what `inspect_file` says of a file, of one that cannot be read its name and the reason."""
     try:

@@ -1,5 +1,6 @@
 """The initial settings and table of surfaces of a study."""
 
+import os
 import re
 import unicodedata
 from collections.abc import Mapping, Sequence
@@ -8,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.errors import SettingsError
-from roughcontact.interface.command_line.folders import contents_of, is_folder, list_measurements
+from roughcontact.interface.command_line.folders import contents_of, list_measurements
 
 _MAX_STEM_LENGTH = 56  # letters of a name made of that of a file; a number may follow
 _FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
@@ -86,7 +87,7 @@ def collect_files(paths: Sequence[str]) -> tuple[list[str], list[str]]:
     files: list[Path] = []
     omissions: list[str] = []
     for path in map(Path, paths):
-        if is_folder(path):
+        if os.path.isdir(path):  # noqa: PTH112 - false also of a path that is too long
             measurements, other_files = list_measurements(path)
             files += measurements
             omissions += map(str, other_files)
