@@ -42,13 +42,7 @@ _DESCRIPTION = (
 _COMMANDS = {name: words for name, *words in rows_beside(__file__, "commands.tsv")}
 
 # options of `init` for other settings, and for columns of the table
-_INITIAL = {
-    "mean-pressure": "contact.mean_pressure",
-    "force": "contact.force",
-    "area": "contact.area",
-    "form-radius": "form.radius",
-    "level-form": "level.form",
-}
+_INITIAL = ("contact.mean_pressure", "contact.force", "contact.area", "form.radius", "level.form")
 _COLUMNS = ("lay", "parts", "counter_face", "overview")
 _BEFORE = "map of the same place before wear, heat, polish, with which the other maps are compared"
 _GROUP = (
@@ -268,8 +262,8 @@ def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
     from roughcontact.study.table.columns import column_meaning
 
     add_body(parser)
-    for option, name in _INITIAL.items():
-        add_setting(parser, f"--{option}", name)
+    for name in _INITIAL:
+        add_setting(parser, name)
     text = "solve also the removal of the heaviest load: the shape that is left"
     parser.add_argument("--unload", dest="contact.unload", action="store_const", const=True, help=text)
     metavar = ("NAME", "FILE")

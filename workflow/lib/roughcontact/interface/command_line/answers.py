@@ -11,19 +11,9 @@ from roughcontact.arguments.answers import AREA, TABLES
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.quantities import percent, quantity
 from roughcontact.interface.command_line.describe import labelled_line, points_in_words
-from roughcontact.report import facts
+from roughcontact.report import facts, glance
 from roughcontact.report.asked import bodies_in_words
 from roughcontact.report.budget_plots import largest_parts, wider_intervals
-from roughcontact.report.glance import (
-    LOAD,
-    NOT_JUDGED,
-    Cell,
-    answer_line,
-    asked_columns,
-    glance_rows,
-    glance_units,
-    headings_of,
-)
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import group_cells
 from roughcontact.report.methods import interval_measurand
@@ -66,11 +56,11 @@ def solution(result: Mapping[str, Any], statistics: xr.Dataset) -> str:
         ("for ± 10 %", result["places"]),
         *((check["name"], check["sentence"]) for check in result["checks"] if check["outcome"] != "passed"),
     ]
-    rows = glance_rows(numbers, indices=range(len(flags)))
+    rows = glance.glance_rows(numbers, indices=range(len(flags)))
     return "\n".join(
         [
             str(result["file"]),
-            *_lines([("answer", answer_line(numbers, len(flags) - 1, rows[-1])), *lines]),
+            *_lines([("answer", glance.answer_line(numbers, len(flags) - 1, rows[-1])), *lines]),
             "",
             *answers(numbers, rows, flags),
             *_crept(numbers),
@@ -81,27 +71,27 @@ def solution(result: Mapping[str, Any], statistics: xr.Dataset) -> str:
 
 
 def answers(
-    numbers: xr.Dataset, cells_of_loads: Sequence[Mapping[str, Cell]], flags: Sequence[Sequence[str]]
+    numbers: xr.Dataset, cells_of_loads: Sequence[Mapping[str, glance.Cell]], flags: Sequence[Sequence[str]]
 ) -> list[str]:
     """Return the lines of the table of what is asked for at all loads, and one of what is judged at none."""
-    columns = asked_columns([numbers])
-    headings = headings_of(columns, [numbers])
-    rows = [[cells[name] for name in (LOAD, *columns)] for cells in cells_of_loads]
-    judged = [any(cell.text != NOT_JUDGED for cell in column) for column in zip(*rows, strict=True)]
+    columns = glance.asked_columns([numbers])
+    headings = glance.headings_of(columns, [numbers])
+    rows = [[cells[name] for name in (glance.LOAD, *columns)] for cells in cells_of_loads]
+    judged = [any(cell.text != glance.NOT_JUDGED for cell in column) for column in zip(*rows, strict=True)]
     unanswered = [
         ", ".join(filter(None, (heading, cell.details)))
         for heading, cell, is_judged in zip(headings, rows[0], judged, strict=True)
         if not is_judged
     ]
     table = _table([*compress(headings, judged)], [[*compress(row, judged)] for row in rows], flags)
-    return [*table, *_lines([(NOT_JUDGED, "; ".join(unanswered))])]
+    return [*table, *_lines([(glance.NOT_JUDGED, "; ".join(unanswered))])]
 
 
 def _crept(numbers: xr.Dataset) -> list[str]:
     """Return the lines of the table of what the contact has become, where a body creeps."""
     if not (crept := creep_table(numbers, range(numbers.sizes["load"]))):
         return []
-    return ["", *_table(crept["header"], [[Cell(text) for text in row] for row in crept["rows"]])]
+    return ["", *_table(crept["header"], [[glance.Cell(text) for text in row] for row in crept["rows"]])]
 
 
 def _lines(named: Iterable[tuple[str, str]]) -> list[str]:
@@ -126,7 +116,7 @@ def group(result: Mapping[str, Any], answer: xr.Dataset | None) -> str:
     if answer is None:
         lines.append(labelled_line("no group", result["group"]["none"]))
     else:
-        (units,) = glance_units([answer])
+        (units,) = glance.glance_units([answer])
         rows = [group_cells(answer, units, index) for index in range(answer.sizes["load"])]
         lines += [*_table(GROUP_HEADINGS, rows), ""]
         lines += [] if is_range(answer) else [labelled_line("intervals", _ABOUT_GROUPS)]
@@ -155,7 +145,7 @@ def _bodies_at_loads(numbers: xr.Dataset) -> list[tuple[str, str]]:
 
 
 def _table(
-    headings: Sequence[str], rows: Iterable[Sequence[Cell]], flags: Sequence[Sequence[str]] = ()
+    headings: Sequence[str], rows: Iterable[Sequence[glance.Cell]], flags: Sequence[Sequence[str]] = ()
 ) -> list[str]:
     """Return the lines of a table: below each number with its interval how well it is known, then `flags`."""
     from rich.console import Console

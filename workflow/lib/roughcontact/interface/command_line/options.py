@@ -6,7 +6,7 @@ Names, meanings, defaults and checks are those of `roughcontact.arguments.settin
 import os
 import re
 from argparse import ArgumentParser, Namespace, _ArgumentGroup
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.errors import SettingsError
 
 # settings for the workflow alone, or with an option of their own here
-_WITHOUT_OPTION = {"bodies", "keep_fields", "unload"}
+_WITHOUT_OPTION = {"contact.bodies", "contact.keep_fields", "contact.unload"}
 _BODY = ("youngs_modulus", "poissons_ratio", "hardness")
 _LAYER = ("thickness", "youngs_modulus", "poissons_ratio")
 _LOADS = ("mean_pressure", "relative_pressure", "force")  # one or the other
@@ -33,8 +33,9 @@ def add_settings(parser: ArgumentParser) -> None:
     groups = {section: parser.add_argument_group(section, model.__doc__) for section, model in models.items()}
     elasticity, loads = (groups["contact"].add_mutually_exclusive_group() for _ in range(2))
     together = {"contact_modulus": elasticity} | dict.fromkeys(_LOADS, loads)
-    for section, key, option in _options():
-        add_setting(together.get(key, groups[section]), option, f"{section}.{key}")
+    for name in _names():
+        section, _, key = name.partition(".")
+        add_setting(together.get(key, groups[section]), name)
     add_body(elasticity)
     add_derived(parser)
     parser.add_argument(
@@ -46,7 +47,7 @@ def add_settings(parser: ArgumentParser) -> None:
     )
 
 
-def add_setting(parser: ArgumentParser | _ArgumentGroup, option: str, name: str) -> None:
+def add_setting(parser: ArgumentParser | _ArgumentGroup, name: str) -> None:
     """Add the option of a setting, by its dotted name, with its meaning and its default, or its keys."""
     *above, key = name.split(".")
     field = fields_at(above)[key]
@@ -57,14 +58,14 @@ def add_setting(parser: ArgumentParser | _ArgumentGroup, option: str, name: str)
         text, form = keys_in_words(name), {"metavar": "KEY=VALUE", "nargs": "+", "action": "extend"}
     elif default is not None:
         text += f" (default: {' '.join(default) if isinstance(default, list) else flow(default)})"
-    parser.add_argument(option, dest=name, help=text.replace("%", "%%"), **form)
+    parser.add_argument(_option(name), dest=name, help=text.replace("%", "%%"), **form)
 
 
 def add_derived(parser: ArgumentParser, courses: Sequence[str] = ()) -> None:
     """Add the options for what is derived from the contact, and for courses of a run."""
     group = parser.add_argument_group("what is derived from the contact")
     for name in (*(f"statistics.{key}" for key in _DERIVED), *courses):
-        add_setting(group, f"--{name.rpartition('.')[2].replace('_', '-')}", name)
+        add_setting(group, name)
 
 
 def add_body(parser: ArgumentParser | _ArgumentGroup) -> None:
@@ -173,7 +174,7 @@ def stated_settings(options: Namespace) -> dict[str, Any]:
     for name, value in vars(options).items():
         *above, key = name.split(".")
         if value is not None and (field := fields_at(above).get(key)):
-            settings[name] = keyed(f"--{key}", value) if section_model(field) else value
+            settings[name] = keyed(_option(name), value) if section_model(field) else value
     return settings
 
 
@@ -208,10 +209,8 @@ def message_with_options(error: SettingsError) -> str:
 def _name_options(mistake: SettingsError) -> str:
     """Return the message of one mistake, with its settings replaced by their options."""
     names = {"contact.bodies": "--body"}
-    for section, key, option in _options():
-        names[f"{section}.{key}"] = option
-        if section == "contact":  # `solve_contact` calls its arguments so
-            names[key] = option
+    for name in _names():
+        names[name] = names[name.removeprefix("contact.")] = _option(name)  # `solve_contact` has no section
     message = str(mistake)
     if mistake.place:  # the sentence begins with the setting; other settings in it are meant as they are
         setting = "".join(mistake.keys[:1])
@@ -221,10 +220,14 @@ def _name_options(mistake: SettingsError) -> str:
     return message
 
 
-def _options() -> Iterator[tuple[str, str, str]]:
-    """Yield section, key and option of every setting with an option."""
-    for section in _SECTIONS:
-        for key in fields_at([section]):
-            if key not in _WITHOUT_OPTION:
-                prefix = "" if section == "contact" else f"{section}-"
-                yield section, key, f"--{prefix}{key.replace('_', '-')}"
+def _names() -> list[str]:
+    """Return the dotted names of the settings of the stages that have an option."""
+    names = [f"{section}.{key}" for section in _SECTIONS for key in fields_at([section])]
+    return [name for name in names if name not in _WITHOUT_OPTION]
+
+
+def _option(name: str) -> str:
+    """Return the option of a setting: its key, and before it a section other than contact and statistics."""
+    section, _, key = name.rpartition(".")
+    prefix = "" if section in ("", "contact", "statistics") else f"{section}-"
+    return f"--{prefix}{key.replace('_', '-')}"

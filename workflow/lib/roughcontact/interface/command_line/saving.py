@@ -137,24 +137,17 @@ def _answers(statistics: "xr.Dataset") -> "pd.DataFrame":
     """Return what each load is asked for, as people read it: value, unit, both sides of the ±, in words."""
     import pandas as pd
 
-    from roughcontact.report.glance import (
-        HEADINGS,
-        LOAD,
-        NOT_JUDGED,
-        glance_rows,
-        glance_units,
-        load_heading,
-    )
+    from roughcontact.report import glance
     from roughcontact.report.units import interval_at
 
     rising = statistics.isel(load=statistics["mean_pressure"].argsort().values)
-    (units,), rows, stated_as = glance_units([rising]), [], load_heading([rising])
-    for index, cells in enumerate(glance_rows(rising, units, indices=range(rising.sizes["load"]))):
-        load = cells.pop(LOAD).text
+    (units,), rows, stated_as = glance.glance_units([rising]), [], glance.load_heading([rising])
+    for index, cells in enumerate(glance.glance_rows(rising, units, indices=range(rising.sizes["load"]))):
+        load = cells.pop(glance.LOAD).text
         for name, cell in cells.items():
-            if cell.text == NOT_JUDGED:
+            if cell.text == glance.NOT_JUDGED:
                 continue
-            row: dict[str, Any] = {stated_as: load, "answer": HEADINGS[name], "value": cell.text}
+            row: dict[str, Any] = {stated_as: load, "answer": glance.HEADINGS[name], "value": cell.text}
             if name in units:
                 factor = units[name].factor
                 value, lower, upper = (factor * number for number in interval_at(rising, name, index))
