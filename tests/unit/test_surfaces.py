@@ -5,10 +5,10 @@ import re
 
 import pytest
 
-from roughcontact import SettingsError, inspect_file, read_height_map
+from roughcontact import SettingsError, read_height_map
 from roughcontact.arguments.settings.messages import NAME, name_mistake
 from roughcontact.interface.command_line.project import surface_names, write_project
-from roughcontact.io.request import FILE_OPTIONS
+from roughcontact.io.request import FILE_OPTIONS, Request
 from roughcontact.study.places import find_file
 from roughcontact.study.table.columns import (
     BEFORE,
@@ -163,7 +163,7 @@ def test_a_missing_table_is_named(tmp_path):
     )
 
 
-@pytest.mark.parametrize("verb", [read_height_map, inspect_file])
+@pytest.mark.parametrize("verb", [read_height_map, Request])
 def test_columns_and_options_are_the_arguments_of_reading(verb):
     arguments = [name for name in inspect.signature(verb).parameters if name not in ("path", "instrument")]
     of_the_study = {

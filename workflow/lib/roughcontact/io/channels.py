@@ -1,8 +1,8 @@
 """The result of a reader: the channels of one file, in the file's own units."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import InitVar, dataclass, field, replace
 from itertools import islice
 from math import prod
 from pathlib import Path
@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from roughcontact.errors import InputFileError
-from roughcontact.io import instrument_kinds
 from roughcontact.io.guards import MAX_CHANNELS, MAX_POINTS, check_count, listed
+from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 from roughcontact.io.vocabulary import pattern, words
 
@@ -81,25 +81,22 @@ class MeasuredFile:
     format: str  # for people
     channels: list[Channel]
     first_row: str  # in the picture of the instrument's own software: `top` or `bottom`
-    instrument: dict[str, Any] = field(default_factory=dict)  # keys of `roughcontact.io.metadata`
+    instrument: Mapping[str, Any] = field(default_factory=dict)  # keys of `roughcontact.io.metadata`
     warnings: list[str] = field(default_factory=list)  # about the file as a whole
     stale: str = ""  # which stated checksum or size differs from the content
     required_size: int | None = None  # bytes by the header; readers leave the comparison to `open_file`
     first_row_assumed: bool = False  # stated neither by file nor format
     question: str = ""  # what there are several of, where the user has to name one
     close: Callable[[], object] = lambda: None  # of channels that are read from an open file
+    header: InitVar[Mapping | None] = None  # that may say more of the instrument
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, header: Mapping | None) -> None:
+        self.instrument = instrument_metadata(self.instrument, header)
         names: Counter[str] = Counter()
         for channel in counted_channels(self.channels):
             names[channel.name] += 1
             if (count := names[channel.name]) > 1:  # a number, so that each can be asked for
                 channel.name = f"{channel.name} ({count})"
-
-    @property
-    def kind(self) -> instrument_kinds.Kind:
-        """The kind of instrument that the file names, with the ranges that it can measure."""
-        return instrument_kinds.of_name(self.instrument.get("kind"))
 
 
 def on_field(channel: Channel, field: Iterable[float | None], lateral_unit: str | None) -> Channel:

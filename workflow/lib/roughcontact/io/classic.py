@@ -99,8 +99,7 @@ def _stated_size(header: _Header) -> int | None:
         (record_sizes if has_records else fixed_sizes).append((header.number(header.position), length))
     streaming = records == 256**header.count - 1
     # the records of a single variable are not padded (the specification's exception)
-    padding = 4 if len(record_sizes) > 1 else 1
-    step = sum(length + -length % padding for _, length in record_sizes)
+    step = sum(length + -length % (4 if len(record_sizes) > 1 else 1) for _, length in record_sizes)
     has_last = records and not streaming
     last = [(start + step * (records - 1), length) for start, length in record_sizes if has_last]
     stop = max([header.stream.tell(), *map(sum, fixed_sizes + last)])

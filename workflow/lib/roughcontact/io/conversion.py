@@ -10,7 +10,9 @@ import numpy as np
 
 from roughcontact.arguments.checking import marker_values
 from roughcontact.errors import HeightMapError, InputFileError
+from roughcontact.io import instrument_kinds
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, choose_channel
+from roughcontact.io.plausibility import Suspicion, suspicions
 from roughcontact.io.positions import scattered
 from roughcontact.io.request import Request
 from roughcontact.io.resampling import resample_evenly
@@ -36,6 +38,7 @@ class Converted:
     sources: dict  # column of the table -> where it comes from; "not used" -> lines of the header
     first_row: str  # of the file, in the picture: `top` or `bottom`
     first_row_assumed: bool
+    doubts: list[Suspicion]  # what is implausible in metres
 
     def centres(self) -> Iterator[np.ndarray]:
         """Yield the cell centres along x and y (m, rising), from the file's first one or half a step."""
@@ -80,7 +83,9 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
         heights = np.ascontiguousarray(heights[::-1])
     facts = [*marker_notes, *resampling, *scale_notes, *turn_notes]
     notes += [*doubts, *facts]
-    return Converted(channel, choice, heights, *steps, notes, facts, origins, first_row, is_assumption)
+    row = first_row, is_assumption
+    implausible = suspicions(heights, *steps, kind=instrument_kinds.of_name(file.instrument.get("kind")))
+    return Converted(channel, choice, heights, *steps, notes, facts, origins, *row, implausible)
 
 
 def _drop_markers(channel: Channel, request: Request) -> tuple[Channel, list[str]]:

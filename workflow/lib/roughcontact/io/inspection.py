@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -10,35 +11,22 @@ from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile
 from roughcontact.io.conversion import Converted, convert
 from roughcontact.io.guards import MAX_POINTS, naming, sha256
-from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
+from roughcontact.io.plausibility import quantisation_step, roughness_off_plane
 from roughcontact.io.registry import open_file
 from roughcontact.io.request import Request
 
 _LARGE = 2**24  # points
 
 
-def inspect_file(
-    path: str | Path,
-    *,
-    channel: str | None = None,
-    dx: float | str | None = None,
-    dy: float | str | None = None,
-    unit: str | None = None,
-    height_unit: str | None = None,
-    resample: str | None = None,
-    checksum: str | None = None,
-    first_row: str | None = None,
-    missing_value: float | str | None = None,
-    ignore_lines: int | str | None = None,
-    lay: str | None = None,
-) -> dict:
+def inspect_file(path: str | Path, **arguments: Any) -> dict:
     r"""Return the content of a file, without asking for missing units.
 
     Parameters
     ----------
     path : str or Path
-    channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, ignore_lines, lay
-        As for `read_height_map`.
+    **arguments
+        `channel`, `dx`, `dy`, `unit`, `height_unit`, `resample`, `checksum`, `first_row`, `missing_value`,
+        `ignore_lines` and `lay`, as for `read_height_map`.
 
     Returns
     -------
@@ -77,19 +65,15 @@ def inspect_file(
     4e-06
     >>> folder.cleanup()
     """
-    path = Path(path)
-    request = Request(
-        channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, ignore_lines, lay
-    )
-    return inspect_heights(path, request)[0]
+    return inspect_heights(Path(path), Request(**arguments))[0]
 
 
 def inspect_heights(path: Path, request: Request) -> tuple[dict, np.ndarray | None]:
     """Return the content of a file, and the heights (ny, nx; m) of `read_height_map`, None where it fails."""
     with naming(path), closing(open_file(path)) as file:
         content = {"file": path.name, "bytes": path.stat().st_size, "sha256": sha256(path)}
-        names = ("format", "first_row", "first_row_assumed", "instrument")
-        content |= {key: getattr(file, key) for key in names}
+        facts = ("format", "first_row", "first_row_assumed", "instrument")
+        content |= {key: getattr(file, key) for key in facts}
         map_content, heights = _map(path, request, file)
         channels = list(_descriptions(file.channels, path, chosen=map_content["channel"]))
     return content | map_content | {"channels": channels}, heights
@@ -105,15 +89,11 @@ def _map(path: Path, request: Request, file: MeasuredFile) -> tuple[dict, np.nda
     except (InputFileError, HeightMapError) as error:
         # the channel is shown although it cannot be converted: that is why people look
         heights = (channel.name for channel in file.channels if not (channel.no_height or request.channel))
-        return content | {
-            "channel": next(heights, None),
-            "problem": str(error),
-            "needed": [*error.keys],
-        }, None
-    doubts = suspicions(result.heights, result.dx, result.dy, kind=file.kind)
+        content |= {"channel": next(heights, None), "problem": str(error), "needed": [*error.keys]}
+        return content, None
     content |= {"channel": result.channel.name, "channel_choice": result.choice, "map": _measured(result)}
     content |= {key: getattr(result, key) for key in ("sources", "first_row", "first_row_assumed")}
-    return content | {"warnings": [*result.notes, *map(str, doubts)]}, result.heights
+    return content | {"warnings": [*result.notes, *map(str, result.doubts)]}, result.heights
 
 
 def _measured(result: Converted) -> dict:

@@ -68,8 +68,7 @@ def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float
     columns, rows = is_finite.sum(axis=0), is_finite.sum(axis=1)
     sum_x, sum_y, sum_xy = columns @ x, rows @ y, y @ (is_finite @ x)
     normal = [[count, sum_x, sum_y], [sum_x, columns @ x**2, sum_xy], [sum_y, sum_xy, rows @ y**2]]
-    right = np.array([0.0, z.sum(axis=0) @ x, z.sum(axis=1) @ y])
-    plane = np.linalg.lstsq(normal, right, rcond=None)[0]
+    plane = np.linalg.lstsq(normal, [0.0, z.sum(axis=0) @ x, z.sum(axis=1) @ y], rcond=None)[0]
     residual = np.where(is_finite, z - plane[0] - plane[1] * x - (plane[2] * y)[:, None], 0.0)
     slopes = [np.diff(height, axis=1) / dx, np.diff(height, axis=0) / dy]
     spread = [slope[np.isfinite(slope)].var() for slope in slopes if np.isfinite(slope).any()]

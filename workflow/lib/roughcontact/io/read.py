@@ -9,20 +9,17 @@ from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from roughcontact.arguments.measurement import Instrument, attributes_of_record
 from roughcontact.errors import InputFileError
 from roughcontact.io.conversion import convert
 from roughcontact.io.guards import naming, sha256, unchanged
-from roughcontact.io.plausibility import suspicions
 from roughcontact.io.registry import open_file
 from roughcontact.io.request import Request
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def read_height_map(
@@ -40,7 +37,7 @@ def read_height_map(
     ignore_lines: int | str | None = None,
     lay: str | None = None,
     instrument: Mapping[str, float] | None = None,
-) -> "xr.DataArray":
+) -> xr.DataArray:
     r"""Read a measured height map (or a profile) into metres.
 
     Parameters
@@ -129,7 +126,7 @@ def read_height_map(
     return height.assign_attrs(facts if request.lay is None else {"lay": request.lay} | facts)
 
 
-def read_overview(path: str | Path, **arguments: Any) -> "xr.DataArray":
+def read_overview(path: str | Path, **arguments: Any) -> xr.DataArray:
     """Read a coarser map around another one, as `read_height_map`; its file has to say its size."""
     try:
         return read_height_map(path, **arguments)
@@ -142,10 +139,8 @@ def read_overview(path: str | Path, **arguments: Any) -> "xr.DataArray":
         raise InputFileError(f"{wrong}: {way_out}, or save it in a format that has them") from error
 
 
-def _read(path: Path, request: Request) -> "xr.DataArray":
+def _read(path: Path, request: Request) -> xr.DataArray:
     """Return the height map of a file."""
-    import xarray as xr
-
     # the digest is taken within: it is that of the bytes that were read
     with unchanged(path), closing(open_file(path)) as file:
         result = convert(file, request)
@@ -154,11 +149,9 @@ def _read(path: Path, request: Request) -> "xr.DataArray":
     if len(file.channels) > 1 and request.channel is None:
         facts.append(f"channel {result.choice}, was read; name another one with channel")
         notes.append(facts[-1])
-    # after the conversion: what is implausible shows in metres
-    doubts = suspicions(result.heights, result.dx, result.dy, kind=file.kind)
-    notes += map(str, doubts)
-    facts += [str(doubt) for doubt in doubts if doubt.kind == "pixels"]
-    spikes = {str(doubt): doubt.finding for doubt in doubts if doubt.kind == "spikes"}
+    notes += map(str, result.doubts)
+    facts += [str(doubt) for doubt in result.doubts if doubt.kind == "pixels"]
+    spikes = {str(doubt): doubt.finding for doubt in result.doubts if doubt.kind == "spikes"}
     x, y = result.centres()
     missing = int(np.isnan(result.heights).sum())
     source = {"source_file": path.name, "source_sha256": digest, "source_format": file.format}
@@ -173,10 +166,8 @@ def _read(path: Path, request: Request) -> "xr.DataArray":
     return xr.DataArray(result.heights, coordinates, ("y", "x"), "height", attributes_of_record(record))
 
 
-def _together(path: Path, request: Request, instrument: Mapping[str, float] | None) -> "xr.DataArray":
+def _together(path: Path, request: Request, instrument: Mapping[str, float] | None) -> xr.DataArray:
     """Return several profiles of a file, whose channels stand between semicolons, as rows of one array."""
-    import xarray as xr
-
     names = [name.strip() for name in str(request.channel).split(";") if name.strip()]
     arguments = [asdict(replace(request, channel=name)) for name in names]
     rows = [read_height_map(path, **options, instrument=instrument) for options in arguments]

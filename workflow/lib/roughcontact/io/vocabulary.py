@@ -2,13 +2,13 @@
 
 import re
 from functools import cache
-from pathlib import Path
+
+from roughcontact.arguments.rows import rows_beside
 
 
 def rows_of(name: str) -> list[list[str]]:
     """Return the rows of a table of this folder, without its comments."""
-    lines = Path(__file__).with_name(name).read_text(encoding="utf-8").splitlines()
-    return [line.split("\t") for line in lines if not line.startswith("#")]
+    return rows_beside(__file__, name)
 
 
 def marks(listed: str) -> tuple[bytes, ...]:

@@ -23,7 +23,6 @@ from roughcontact.io.guards import brief, check_points
 from roughcontact.io.instruments import containers
 from roughcontact.io.instruments.rules import INVERTED, RULES, Header, Rules
 from roughcontact.io.interface import Reader, read_head
-from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.positions import scattered
 from roughcontact.io.text.lines import looks_like_text
 from roughcontact.io.units import is_length
@@ -146,8 +145,8 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
     with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
         expected_size = rules.size(data, header, int(np.prod(infos[0].nb_grid_pts)))
         stale, beyond = rules.contradiction(data, header), rules.instrument(data)
-    instrument = _instrument(infos[0], file_format, beyond)
-    return MeasuredFile(reader.name(), channels, "top", instrument, notes, stale, expected_size)
+    facts = beyond | _instrument(infos[0], file_format)
+    return MeasuredFile(reader.name(), channels, "top", facts, notes, stale, expected_size, header=header)
 
 
 def _channel(info: Any, file_format: Format) -> Channel:
@@ -197,11 +196,11 @@ def _units(info: Any) -> tuple[str | None, str | None, str]:
     return lateral_unit, unit, "by its name no topography" if NO_TOPOGRAPHY.search(info.name) else ""
 
 
-def _instrument(info: Any, file_format: Format, beyond: dict[str, Any]) -> dict:
-    """Return vendor, name, serial number, lens, date and the like."""
+def _instrument(info: Any, file_format: Format) -> dict[str, Any]:
+    """Return what the library knows of the instrument: vendor, name, serial number, date and the like."""
     facts = {"vendor": file_format.vendor, **(info.info.get("instrument") or {})}
     facts |= {key: info.info[key] for key in ("acquisition_time", "comment") if info.info.get(key)}
-    return instrument_metadata(beyond | facts | {"kind": file_format.kind.name}, _header(info))
+    return facts | {"kind": file_format.kind.name}
 
 
 #: Makes a reader, by the way in which it recognises files.

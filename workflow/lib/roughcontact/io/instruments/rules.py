@@ -59,8 +59,7 @@ def _metropro(data: mmap.mmap, header: Header) -> str:
 
 def _nanofocus_size(data: mmap.mmap, header: Header, points: int) -> int:
     """Count header and heights (two bytes), behind which lie whole images of a byte a point."""
-    images = max(0, round((len(data) - _HEADER_OF_NANOFOCUS) / points) - 2)
-    return _HEADER_OF_NANOFOCUS + (2 + images) * points
+    return _HEADER_OF_NANOFOCUS + max(2, round((len(data) - _HEADER_OF_NANOFOCUS) / points)) * points
 
 
 def _nanofocus_steps(header: Header, steps: np.ndarray) -> np.ndarray:
@@ -90,8 +89,8 @@ def _sensofar_size(data: mmap.mmap, header: Header, points: int) -> int:
     """Count the layers: their size, heights, extremes, and images of three bytes a point."""
     layout = header["measurement_configuration"]
     start = 500 if layout["area_type"] != 6 else 496
-    counted = start + layout["num_layers"] * (16 + points * (4 + 3 * layout["num_images"]))
-    return max(counted, len(data))  # blocks that nothing counts follow
+    # blocks that nothing counts follow
+    return max(start + layout["num_layers"] * (16 + points * (4 + 3 * layout["num_images"])), len(data))
 
 
 def _wsxm_size(data: mmap.mmap, header: Header, points: int) -> int | None:

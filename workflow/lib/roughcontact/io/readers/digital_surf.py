@@ -20,7 +20,6 @@ from roughcontact.io.channels import Channel, MeasuredFile, as_heights, counted_
 from roughcontact.io.guards import check_count, check_points, refuse_cut_off, refusing
 from roughcontact.io.instruments.rules import IMPRINT, INVERTED
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
-from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import rows_of
 
@@ -150,7 +149,7 @@ def _instrument(header: np.void) -> dict[str, Any]:
     metadata["sample"] = _text(header["object_name"])
     with suppress(ValueError):  # no date
         metadata["acquisition_time"] = datetime.datetime(*header["time"][::-1].tolist()).isoformat()
-    return instrument_metadata(metadata)
+    return metadata
 
 
 def _unit(data: bytes) -> str:

@@ -17,7 +17,6 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, on_field
 from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
-from roughcontact.io.metadata import instrument_metadata
 
 _MARK = b"GWYP"
 _TYPES = {"b": "?", "c": "i1", "i": "<i4", "q": "<i8", "d": "<f8"}  # of numbers; arrays have capital letters
@@ -36,8 +35,8 @@ def read(path: Path) -> MeasuredFile:
     if not channels:
         raise InputFileError("this Gwyddion file holds no image")
     meta = container.get(f"/{images[0]}/meta", {})
-    instrument = instrument_metadata({"serial": meta.get("Instrument serial number 2")}, meta)
-    return MeasuredFile("Gwyddion", channels, "top", instrument, required_size=required_size)
+    serial = {"serial": meta.get("Instrument serial number 2")}
+    return MeasuredFile("Gwyddion", channels, "top", serial, required_size=required_size, header=meta)
 
 
 def _channel(container: dict[str, Any], number: str) -> Channel:

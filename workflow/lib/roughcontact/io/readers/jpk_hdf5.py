@@ -16,7 +16,6 @@ from roughcontact.errors import InputFileError
 from roughcontact.io import hdf5, instrument_kinds
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, on_field
 from roughcontact.io.interface import Reader, RecognisedBy
-from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
 _SCALE = "net-encoder.scaling."
@@ -41,13 +40,12 @@ def read(path: Path) -> MeasuredFile:
         measurements = [file[name] for name in sorted(file) if name.startswith("Measurement_")]
         groups = [each[name] for each in measurements for name in sorted(each) if name.startswith("Channel_")]
         groups.sort(key=_rank)
-        several = len(measurements) > 1
-        channels = [channel for group in groups for channel in _frames(group, several, path)]
+        channels = [channel for group in groups for channel in _frames(group, len(measurements) > 1, path)]
         if not channels:
             raise InputFileError("this JPK file holds no map")
-        facts = {"kind": instrument_kinds.PROBE.name, "vendor": "JPK"}
-        instrument = instrument_metadata(facts, measurements[0].attrs)
-    return MeasuredFile("JPK (HDF5)", channels, "bottom", instrument, required_size=hdf5.stated_size(path))
+        facts, size = {"kind": instrument_kinds.PROBE.name, "vendor": "JPK"}, hdf5.stated_size(path)
+        header = measurements[0].attrs
+        return MeasuredFile("JPK (HDF5)", channels, "bottom", facts, required_size=size, header=header)
 
 
 def _rank(group: Any) -> int:

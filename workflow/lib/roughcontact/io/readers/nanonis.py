@@ -17,7 +17,6 @@ from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, on_fi
 from roughcontact.io.guards import refusing
 from roughcontact.io.instrument_kinds import PROBE
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
-from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
 _MARK = b":NANONIS_VERSION:"
@@ -40,7 +39,7 @@ def read(path: Path) -> MeasuredFile:
         first_row = {"down": "top", "up": "bottom"}[entries["SCAN_DIR"].strip()]
         acquired_at = f"{entries.get('REC_DATE', '').strip()} {entries.get('REC_TIME', '').strip()}".strip()
     size = start + sum(4 * channel.shape[0] * channel.shape[1] for channel in channels)
-    instrument = instrument_metadata({"kind": PROBE.name, "vendor": "SPECS", "acquisition_time": acquired_at})
+    instrument = {"kind": PROBE.name, "vendor": "SPECS", "acquisition_time": acquired_at}
     return MeasuredFile("Nanonis SXM", channels, first_row, instrument, required_size=size)
 
 
@@ -54,8 +53,8 @@ def _channels(entries: dict[str, str], start: int, path: Path) -> Iterator[Chann
     for row in rows:
         entry = dict(zip(map(str.strip, names), map(str.strip, row), strict=True))
         unit = entry["Unit"] or "no unit"
-        no_topography = is_length(unit) and NO_TOPOGRAPHY.search(entry["Name"])
-        why = "by its name no topography" if no_topography else ""
+        is_other = is_length(unit) and NO_TOPOGRAPHY.search(entry["Name"])
+        why = "by its name no topography" if is_other else ""
         for direction in _DIRECTIONS[entry["Direction"].lower()]:
             name = f"{entry['Name']} ({direction})"
             image = partial(_read, path, start, (ny, nx), reverse=direction == "backward")

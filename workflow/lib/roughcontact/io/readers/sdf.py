@@ -10,7 +10,6 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, stated_length
 from roughcontact.io.guards import refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
-from roughcontact.io.metadata import instrument_metadata
 
 _MARKS = (b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"\xef\xbb\xbfaISO-")
 _SOFTGAUGE = re.compile(rb"\A([ab])NPL-(V?\d\.\d)")  # of NPL's softgauges: as BCR-1.0, but for the name
@@ -27,7 +26,7 @@ def read(path: Path) -> MeasuredFile:
     if not header.z_scale or not np.isfinite(header.z_scale):
         raise InputFileError(f"Zscale = {header.z_scale}, the height of a count: correct it in the file")
     dates = {"acquisition_time": header.create_date, "modified": header.mod_date}
-    instrument = instrument_metadata({"vendor": header.manufacturer_id, **dates})
+    instrument = {"vendor": header.manufacturer_id, **dates}
     shape, dx = file.data.shape, stated_length(header.x_scale)
     dy = stated_length(header.y_scale) if shape[0] > 1 else None
     channel = Channel("height", shape, lambda: as_heights(file.data), "m", dx, dy, "m")

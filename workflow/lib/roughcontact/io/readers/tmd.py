@@ -10,7 +10,6 @@ from pathlib import Path
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, on_field, stored_floats
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
-from roughcontact.io.metadata import instrument_metadata
 
 _MARK = b"Binary TrueMap Data File"
 _VERSION = b"v2.0"
@@ -30,8 +29,7 @@ def read(path: Path) -> MeasuredFile:
     nx, ny, length_x, length_y, *_ = _HEADER.unpack_from(fields[1])
     channel = Channel("Default", (ny, nx), lambda: stored_floats(path, "<f4", (ny, nx), start), "mm")
     channel = on_field(channel, (length_x, length_y), "mm")
-    vendor = "TrueMap" if "TrueMap" in comment else ""
-    instrument = instrument_metadata({"vendor": vendor, "comment": comment})
+    instrument = {"vendor": "TrueMap" if "TrueMap" in comment else "", "comment": comment}
     return MeasuredFile("TrueMap TMD", [channel], "top", instrument, required_size=start + 4 * nx * ny)
 
 

@@ -6,7 +6,7 @@ import re
 import zipfile
 from collections.abc import Iterator
 from functools import partial
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,6 @@ from roughcontact.io import instrument_kinds
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, unreadable
 from roughcontact.io.guards import brief, check_count, check_points, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
-from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.positions import channel_on_grid, scattered
 
 # key of `roughcontact.io.metadata` -> name in x3pio
@@ -58,9 +57,9 @@ def read(path: Path) -> MeasuredFile:
 def _main_xmls(path: Path) -> list[str]:
     """Return the names of every main.xml in an archive, the outermost first."""
     with zipfile.ZipFile(path) as archive:
-        names = [name for name in archive.namelist() if "__MACOSX" not in name]
-    main_files = [name for name in names if PurePosixPath(name.replace("\\", "/")).name == "main.xml"]
-    return sorted(main_files, key=_depth)
+        names = archive.namelist()
+    is_main = re.compile(r"(?!.*__MACOSX)(?:.*[/\\])?main\.xml", re.DOTALL).fullmatch
+    return sorted(filter(is_main, names), key=_depth)
 
 
 def _depth(name: str) -> int:
@@ -154,7 +153,7 @@ def _instrument(metadata: Any) -> dict:
     facts = {key: getattr(metadata.instrument, name, None) for key, name in _INSTRUMENT.items()}
     facts |= {key: getattr(metadata, name) for key, name in _MEASUREMENT.items()}
     facts["lens" if kind is instrument_kinds.OPTICAL else "probe"] = getattr(probe, "identification", None)
-    return instrument_metadata(facts | {"kind": kind and kind.name})
+    return facts | {"kind": kind and kind.name}
 
 
 READER = Reader(RecognisedBy.CONTENTS, recognises, read)
