@@ -93,8 +93,7 @@ def _drop_markers(channel: Channel, request: Request) -> tuple[Channel, list[str
     markers = marker_values(request.missing_value)
     if not markers:
         return channel, []
-    points = channel.points
-    values = np.array(channel.read() if points is None else points.z, dtype=float)
+    values, points = np.array(channel.read(), dtype=float), channel.points
     is_marker = np.any([np.isclose(values, marker, rtol=1e-6, atol=0.0) for marker in markers], axis=0)
     note = f"{is_marker.sum()} points are {request.missing_value} and taken as missing (missing_value)"
     values[is_marker] = np.nan

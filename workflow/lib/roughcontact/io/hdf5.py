@@ -5,13 +5,10 @@ import struct
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.guards import refusing
-
-if TYPE_CHECKING:
-    import h5py
 
 MARK = b"\x89HDF\r\n\x1a\n"
 _HEAP = b"GCOL\x01\0\0\0"
@@ -22,7 +19,7 @@ _MAX_DEPTH = 32  # nested groups; the netCDF library is recursive
 
 
 @contextmanager
-def opened(path: Path) -> Iterator["h5py.File"]:
+def opened(path: Path) -> Iterator[Any]:
     """Open an HDF5 file for reading.
 
     A file that is damaged or cut off is refused, also where that shows only within the block.
@@ -33,7 +30,7 @@ def opened(path: Path) -> Iterator["h5py.File"]:
         yield file
 
 
-def holds(path: Path, head: bytes, is_kind: Callable[["h5py.File"], bool]) -> bool:
+def holds(path: Path, head: bytes, is_kind: Callable[[Any], bool]) -> bool:
     """Return whether a file that begins with `head` is HDF5 of some kind."""
     if not head.startswith(MARK):
         return False
@@ -83,7 +80,7 @@ def _check_heaps(path: Path) -> None:
             start = data.find(_HEAP, start + 1)
 
 
-def _arrays(file: "h5py.File") -> Iterator[tuple[str, tuple[int, ...]]]:
+def _arrays(file: Any) -> Iterator[tuple[str, tuple[int, ...]]]:
     """Yield name and shape of every array; groups found twice are refused, as they may form a loop."""
     import h5py
 
@@ -117,7 +114,7 @@ def _arrays(file: "h5py.File") -> Iterator[tuple[str, tuple[int, ...]]]:
                 yield entry.name, entry.shape or ()
 
 
-def _check_array(array: "h5py.Dataset") -> None:
+def _check_array(array: Any) -> None:
     """Refuse an array whose numbers lie in other files, and one on which the netCDF library crashes."""
     import h5py
 

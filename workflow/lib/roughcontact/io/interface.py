@@ -9,6 +9,7 @@ from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.text.lines import looks_like_text
 
 HEAD_BYTES = 4096
+HEADER_BYTES = 2**20  # within which a header of plain text has to end
 
 
 class RecognisedBy(IntEnum):

@@ -11,17 +11,13 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from roughcontact.arguments.quantities import number
-from roughcontact.io.vocabulary import words
+from roughcontact.io.vocabulary import meanings, words
 
 # key -> label, in the order of display
 LABELS = {key: labels[0] for key, labels in words("label").items()}
 
-# spelling in headers -> key, and its rank: of several in one header the first counts
-_MEANING = {
-    spelling: (entry, rank)
-    for entry, spellings in words("instrument").items()
-    for rank, spelling in enumerate(spellings)
-}
+# spellings in headers of each key, of which, where a header has several, the first counts
+_SPELLINGS, _MEANING = words("instrument"), meanings("instrument")
 _SILENT = {"", "0", "-", "none", "(none)", "null", "unknown", "not available", "n/a", "na", "default"}
 _LONGEST = 200  # characters of a name
 
@@ -37,9 +33,8 @@ def instrument_metadata(facts: Mapping[str, Any], header: Mapping | None = None)
     >>> instrument_metadata({"vendor": "Zygo"}, {"Objective": "20X Mirau", "Serial Number": 594, "date": "-"})
     {'vendor': 'Zygo', 'serial': 594, 'lens': '20X Mirau'}
     """
-    best: dict[str, str | float] = {}
-    for _, entry, value in sorted(_entries(header), key=lambda each: each[0]):
-        best.setdefault(entry, value)
+    ranked = sorted(_entries(header), key=lambda each: each[0])
+    best = {entry: value for _, entry, value in ranked[::-1]}
     best |= {entry: plain for entry, value in facts.items() if (plain := _plain(value)) is not None}
     aperture = best.get("numerical_aperture")
     if aperture is not None and not (isinstance(aperture, float | int) and 0 < aperture < 2):
@@ -60,8 +55,7 @@ def _entries(header: Any, depth: int = 0) -> Iterator[tuple[int, str, str | floa
             if depth < 2 and name != "software":
                 yield from _entries(value, depth + 1)
         elif name in _MEANING and (plain := _plain(value)) is not None:
-            entry, rank = _MEANING[name]
-            yield rank, entry, plain
+            yield _SPELLINGS[_MEANING[name]].index(name), _MEANING[name], plain
 
 
 def _plain(value: Any) -> str | float | None:

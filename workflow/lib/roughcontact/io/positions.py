@@ -183,5 +183,4 @@ def _grid_lines(positions: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarra
         raise UnevenPositionsError(f"the points x y z do not lie on an even grid ({steps})")
     starts = np.concatenate([[0], np.flatnonzero(gaps > limit) + 1])
     centres = np.add.reduceat(distinct, starts) / np.diff(np.append(starts, distinct.size))
-    line = np.searchsorted(starts, np.searchsorted(distinct, positions), side="right") - 1
-    return centres, line
+    return centres, np.searchsorted(starts, np.searchsorted(distinct, positions), side="right") - 1

@@ -132,8 +132,7 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
     """Return the content of a file as read by the library."""
     from SurfaceTopography.Exceptions import FileFormatMismatch
 
-    infos = reader.channels
-    rules = file_format.rules
+    infos, rules = reader.channels, file_format.rules
     if not infos and file_format.marks != containers.TIFF:
         raise InputFileError(f"this {reader.name()} file holds no map")
     if not infos or not rules.is_plausible(_header(infos[0])):  # a picture, or bytes of something else
@@ -176,7 +175,7 @@ def _channel(info: Any, file_format: Format) -> Channel:
     if not topography.is_uniform:
         uneven = "the positions along x are not evenly spaced"
         return scattered(channel, topography.positions(), None, values, uneven)
-    heights = as_heights(values.T if topography.dim == 2 else values)
+    heights = as_heights(values.T)
     header, rules = _header(info), file_format.rules
     heights[rules.not_measured(header, heights)] = np.nan
     if info.physical_sizes is not None:

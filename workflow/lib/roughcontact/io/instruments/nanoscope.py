@@ -12,10 +12,9 @@ from typing import Any
 
 from roughcontact.arguments.quantities import number
 from roughcontact.errors import InputFileError
-from roughcontact.io.interface import read_head
+from roughcontact.io.interface import HEADER_BYTES, read_head
 
 END = b"\\*File list end"
-_HEADER = 2**20  # bytes in which it ends
 
 
 def sections(header: bytes) -> Iterator[dict[str, str]]:
@@ -46,7 +45,7 @@ def corrected(channels: list[Any], path: Path) -> list[str]:
     """
     from SurfaceTopography.IO.Reader import ChannelInfo
 
-    scan = next((section for section in sections(read_head(path, _HEADER)) if "lines" in section), {})
+    scan = next((section for section in sections(read_head(path, HEADER_BYTES)) if "lines" in section), {})
     notes = []
     for index, info in enumerate(channels):
         image = info.info["raw_metadata"]

@@ -9,6 +9,7 @@ import datetime
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -110,9 +111,7 @@ def _channels(header: np.void, start: int, path: Path) -> Iterator[Channel]:
     for first_row in range(0, ny, height):
         rows = partial(_read, header, load, slice(first_row, first_row + height))
         channel = Channel("Default", (height, nx), rows, height_unit or None, dx, dy, unit or None)
-        channel.no_height = "an image" if header["type"] in _IMAGES else channel.no_height
-        channel.notes = list(notes)
-        yield channel
+        yield replace(channel, no_height="an image" * (header["type"] in _IMAGES), notes=[*notes])
 
 
 def _counts(header: np.void, start: int, path: Path) -> np.ndarray:

@@ -9,18 +9,16 @@ from pathlib import Path
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, on_field, stored_floats
 from roughcontact.io.guards import refusing
-from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
+from roughcontact.io.interface import HEADER_BYTES, Reader, RecognisedBy, begins_with, read_head
 
 _MARK = b"Gwyddion Simple Field 1.0\n"
-_MAX_HEADER_BYTES = 2**20  # bytes of the header
 
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one map; lengths and units that the header omits stay unknown."""
-    text, zero, _ = read_head(path, _MAX_HEADER_BYTES).partition(b"\0")
+    text, zero, _ = read_head(path, HEADER_BYTES).partition(b"\0")
     lines = text.removeprefix(_MARK).decode("utf-8", "replace").splitlines()
-    entries = (line.partition("=") for line in lines)
-    statements = {key.strip(): value.strip() for key, _, value in entries}
+    statements = {key.strip(): value.strip() for key, _, value in (line.partition("=") for line in lines)}
     with refusing("looks like GSF, but is damaged: no size in its header"):
         nx, ny = int(statements["XRes"]), int(statements["YRes"])
         lengths = [float(statements[key]) if key in statements else None for key in ("XReal", "YReal")]

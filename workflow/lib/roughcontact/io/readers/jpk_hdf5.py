@@ -69,13 +69,12 @@ def _frames(group: Any, several: bool, path: Path) -> Iterator[Channel]:
     unit = _stated(group, _SCALE + "unit.unit")
     scale = float(group.attrs[_SCALE + "multiplier"]), float(group.attrs[_SCALE + "offset"])
     direction = "retrace" if _stated(group, "retrace") == "true" else "trace"
-    is_turned = abs(float(grid.get("theta", 0.0))) > 1e-3
     no_height = "by its name no topography" * (is_length(unit) and _rank(group) == len(_HEIGHTS))
     prefix = f"{measurement.name[1:]} " if several else ""
     label = prefix + _stated(group, "channel.fancy-name", _stated(group, "channel.name", array.name))
     field = [float(grid[key]) or None for key in ("ulength", "vlength")]
     lateral_unit, frames = _stated(measurement, _GRID + "unit.unit", "m"), array.shape[1]
-    notes = [_TURNED] * is_turned
+    notes = [_TURNED] * (abs(float(grid.get("theta", 0.0))) > 1e-3)
     for frame in range(frames):
         name = f"{label} ({direction}{f', frame {frame + 1}' if frames > 1 else ''})"
         image = partial(_read, path, array.name, frame, (ny, nx), scale)

@@ -16,20 +16,19 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, on_field, stored_floats
 from roughcontact.io.guards import refusing
 from roughcontact.io.instrument_kinds import PROBE
-from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
+from roughcontact.io.interface import HEADER_BYTES, Reader, RecognisedBy, begins_with, read_head
 from roughcontact.io.units import is_length
 
 _MARK = b":NANONIS_VERSION:"
 _END = b":SCANIT_END:"
 _ENTRY = re.compile(r"^:([^:\n]+):\r?\n(.*?)(?=^:|\Z)", re.DOTALL | re.MULTILINE)
 _START = b"\x1a\x04"  # of the images
-_MAX_HEADER_BYTES = 2**20
 _DIRECTIONS = {"both": ("forward", "backward"), "forward": ("forward",), "backward": ("backward",)}
 
 
 def read(path: Path) -> MeasuredFile:
     """Open a file; each image is a channel."""
-    text, _, behind = read_head(path, _MAX_HEADER_BYTES).partition(_END)
+    text, _, behind = read_head(path, HEADER_BYTES).partition(_END)
     if _START not in behind:
         raise InputFileError("the header of this Nanonis file has no end: it was cut off")
     start = len(text) + len(_END) + behind.index(_START) + len(_START)

@@ -134,6 +134,7 @@ def _variable(dataset: Any, name: Any, dims: tuple[str | None, str], selection: 
     channel = Channel(label, shape, read, unit_of(variable.attrs), lateral_unit=unit_x or unit_y)
     axes_in_file = [axis for axis in "xy" if axis in dataset]
     positions = [axis for axis in axes_in_file if dataset.variables[axis].dims == variable.dims != (axis,)]
+    unread = ""
     if variable.dtype.kind not in "iuf":
         channel.no_height = f"values of type {variable.dtype}"
         unread = f"variable {name!r} holds {channel.no_height}, not real numbers"
@@ -144,8 +145,6 @@ def _variable(dataset: Any, name: Any, dims: tuple[str | None, str], selection: 
     elif positions and name not in positions:
         unread = f"the positions {' and '.join(positions)} of {name!r} are variables over its axes"
         unread += "; make them coordinates of a grid, or save the points as text x, y, z"
-    else:
-        unread = ""
     if unread:
         return replace(channel, read=unreadable(unread), doubt="" if channel.no_height else unread)
     if positive_down:

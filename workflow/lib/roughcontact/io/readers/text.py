@@ -63,11 +63,6 @@ class _Text(NamedTuple):
     doubts: list[str]
 
 
-def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins as readable text."""
-    return looks_like_text(head)
-
-
 def read(path: Path) -> MeasuredFile:
     """Open a text file as a matrix, a list of points or a profile, by its content; both readings: refused."""
     return parsed(read_text(path))
@@ -273,7 +268,7 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
             raise InputFileError(f"{first_line} has {nx - 1} numbers where the others have {nx}")
         return _matrix(values, text)
     heights, steps, description = axes
-    file = _matrix(heights, text, steps)
+    file = _matrix(heights, text, **steps)
     (channel,) = file.channels
     channel.lateral_unit = channel.lateral_unit or (unit if len(steps) == 2 else None)
     file.warnings.append(description + (note if channel.lateral_unit is None else ""))
@@ -434,12 +429,10 @@ def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFil
         if len(pieces) > 1:
             wrong = f"{counter.name!r} begins anew or repeats at line {text.rows.lines[pieces[1].start]}"
             raise InputFileError(f"the column {wrong}: several profiles below one another; {_LEAVE_ONE}")
-    return _matrix(heights[None], text, unit=column.unit)
+    return _matrix(heights[None], text, column.unit)
 
 
-def _matrix(
-    table: np.ndarray, text: _Text, positions: dict[str, float] | None = None, unit: str | None = None
-) -> MeasuredFile:
+def _matrix(table: np.ndarray, text: _Text, unit: str | None = None, /, **positions: float) -> MeasuredFile:
     """Return a matrix of heights, with steps or size from the header, or by the positions beside it."""
     ny, entries = len(table), text.stated
     sizes = _SIZES & {*entries}
@@ -448,10 +441,10 @@ def _matrix(
         raise InputFileError("the header gives a size along y, the file has one line; it was cut off")
     wrong = contradiction(entries, table.shape) or wrapped(table)
     steps, lateral_unit = ({}, None) if wrong else _steps(text, table.shape)
-    steps = (positions or {}) | steps
+    steps = positions | steps
     dy = steps.get("dy") if ny > 1 else None
     channel = _channel(table, text, unit, dx=steps.get("dx"), dy=dy, lateral_unit=lateral_unit)
-    channel.sources = dict.fromkeys(positions or (), "positions") | channel.sources
+    channel.sources = dict.fromkeys(positions, "positions") | channel.sources
     if wrong:
         channel.doubt = f"{wrong}; correct the file, or {channel.scale_advice}"
     elif sizes == {"length_x", "length_y"}:
@@ -595,4 +588,4 @@ def _refuse_other_units(units: list[str | None], text: _Text) -> None:
             raise InputFileError(f"{wrong}; correct one of them")
 
 
-READER = Reader(RecognisedBy.TEXT, recognises, read, memory_per_byte=12)
+READER = Reader(RecognisedBy.TEXT, lambda path, head: looks_like_text(head), read, memory_per_byte=12)

@@ -129,8 +129,7 @@ def _positions(file: Any, main: bytes, layer: Any, axis: str) -> np.ndarray | fl
     """Return the positions along an axis, or its step; None without either (x3pio then has 1 m)."""
     if (positions := getattr(layer, axis)) is not None:
         return np.asarray(positions, dtype=float).reshape(np.atleast_2d(layer.z).shape)
-    name = axis.upper().encode()
-    increment = re.search(rb"C%s>(?:(?!</(?:\w+:)?C).)*Increment>" % name, main, re.DOTALL)
+    increment = re.search(rb"C%c>(?:(?!</(?:\w+:)?C).)*Increment>" % axis.upper().encode(), main, re.DOTALL)
     return float(getattr(file.header, axis).increment) if increment else None
 
 

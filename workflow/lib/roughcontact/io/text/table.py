@@ -67,11 +67,6 @@ def is_missing(cell: str) -> bool:
     return cell.lower() in _MARKERS or is_spoken(cell) or not cell.strip(_FILLING)
 
 
-def _is_marker(line: str) -> bool:
-    """Return whether a line is one word for a missing point, and no rule below headings."""
-    return is_missing(line.strip()) and any(map(str.isalnum, line))
-
-
 def is_spoken(cell: str) -> bool:
     """Return whether a cell is a word that may have another meaning beside that of a missing point."""
     return cell.lower() in _SPOKEN
@@ -199,12 +194,7 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     first_row = next((line for line in below if line.strip()), "")
     # rows with a remark beside the first points stand above the first row of numbers alone
     above = (at for at in reversed(filled) if at < bottom and not (extent and found is None))
-    # in a column of numbers a word alone is a missing point
-    column = len(_cells(first_row)) == 1
-    points = takewhile(
-        lambda at: _is_row_like(lines[at], first_row) or (column and _is_marker(lines[at])), above
-    )
-    start = min(points, default=bottom)
+    start = min(takewhile(lambda at: _is_row_like(lines[at], first_row), above), default=bottom)
     if found is not None or start < bottom:
         return lines[:start], lines[start:]
     sample = lines[filled[0]].strip() if filled else ""
@@ -232,20 +222,23 @@ def _are_labelled(lines: list[str]) -> bool:
         return False
     (label, *cells), (below, *cells_below) = (line.strip().split(delimiter) for line in lines)
     same_words = label != below and re.sub(r"\d", "", label) == re.sub(r"\d", "", below)
-    if not same_words or not 1 < len(cells) == len(cells_below) or len(label) > _MAX_CELL:
-        return False
-    numbers = [_parse_number(cell.replace(",", ".")) for cell in cells + cells_below if cell.strip()]
+    fits = same_words and 1 < len(cells) == len(cells_below) and len(label) <= _MAX_CELL
+    numbers = [_parse_number(cell.replace(",", ".")) for cell in cells + cells_below if fits and cell.strip()]
     return bool(numbers) and None not in numbers
 
 
 def _is_row_like(line: str, row: str) -> bool:
-    """Return whether a line is a row that begins with a number and has a word, as wide as those below it."""
+    """Return whether a line is a row that begins with a number and has a word, as wide as those below it.
+
+    Above a column of numbers it is a word alone for a missing point, but no rule drawn below headings.
+    """
+    if is_missing(line.strip()) and any(map(str.isalnum, line)) and len(_cells(row)) == 1:
+        return True
     signs = ";\t" if re.search(r"\d\s+[-\d]", row) else ";\t,"  # between blanks commas are decimal signs
     delimiter = next((sign for sign in signs if sign in row), None)
     cells = [cell.strip().replace(",", ".") for cell in line.split(delimiter)]
-    if not is_row(line) or len(cells) < len(row.split(delimiter)) or len(line) > len(cells) * _MAX_CELL:
-        return False
-    if is_missing(cells[0]) or _parse_number(cells[0]) is None:
+    is_wide = len(cells) >= len(row.split(delimiter)) and len(line) <= len(cells) * _MAX_CELL
+    if not (is_wide and is_row(line)) or is_missing(cells[0]) or _parse_number(cells[0]) is None:
         return False
     # between blanks "3 points" and "10 µm" are lines of a header
     words = [] if delimiter else [cell for cell in cells if _parse_number(cell) is None]
@@ -385,9 +378,8 @@ def split_footer(body: list[str], header: Sequence[str] = ()) -> tuple[list[str]
 
 def _left_out_below(footer: list[str], start: int) -> list[str]:
     """Return a note on the lines below a table, but for comments and words that only say that it ends."""
-    lines = [
-        (n, line.strip()) for n, line in enumerate(footer, start) if _has_words(line) and not _is_end(line)
-    ]
+    filled = ((number, line.strip()) for number, line in enumerate(footer, start) if _has_words(line))
+    lines = [(number, text) for number, text in filled if not _is_end(text)]
     note = f" and {counted_noun(len(lines) - 1, 'line')} more" if len(lines) > 1 else ""
     return [f"below the table, line {lines[0][0]} ({lines[0][1][:60]!r}){note} is left out"] if lines else []
 
@@ -476,12 +468,10 @@ def _add_label_row(rows: Rows, dialect: Dialect) -> Rows:
     first_row = rows.texts[0].strip(around)
     closing = delimiter if delimiter and first_row.endswith(delimiter) else ""
     width = len(first_row.removesuffix(closing).split(delimiter))
-    positions = [*map(dialect.number, cells)]
-    if not _FEW_ROWS <= len(cells) == width - 1 or None in positions or _parse_number(label) is not None:
-        return rows
-    steps = np.diff(np.array(positions, dtype=float))
-    even = steps.any() and np.ptp(steps) <= _UNEVEN * abs(steps.mean())  # also no missing point
-    if not even or statements([line]):
+    is_complete = _FEW_ROWS <= len(cells) == width - 1 and _parse_number(label) is None
+    steps = np.diff(np.array([*map(dialect.number, cells)], dtype=float))
+    even = steps.any() and np.ptp(steps) <= _UNEVEN * abs(steps.mean())  # also no word and no missing point
+    if not (is_complete and even) or statements([line]):
         return rows
     texts = [(delimiter or " ").join(["NaN", *cells]) + closing, *rows.texts]
     return Rows(rows.heading[:-1], rows.first, texts, [rows.lines[0] - 1, *rows.lines], rows.broken, label)
@@ -601,9 +591,8 @@ def refuse_lost_row(rows: Rows, width: int, dialect: Dialect) -> None:
     """Refuse a table of `width` columns below a line that is one of its rows except for a word."""
     number, line = rows.filled[-1] if rows.filled else (0, "")
     stray_word = word_in_row(line, width, dialect) if line else None
-    if stray_word is None or re.search(r"[^\W\d]\s*[:=]", line) or statements([line]):
-        return
-    if width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS):
+    is_text = width <= 3 and (line.strip()[:1].isalpha() or line.strip()[:1] in COMMENT_SIGNS)
+    if stray_word is None or is_text or re.search(r"[^\W\d]\s*[:=]", line) or statements([line]):
         return
     wrong = f"line {number} has as many cells as the rows of the table below it"
     way_out = "correct it, write NaN for a missing point, or delete the line if it is no row of the map"
@@ -632,10 +621,9 @@ def _is_data(line: str) -> bool:
     if not cells or None in values:
         return False
     phrase = is_spoken(cells[0]) or joined(line[:_MAX_PREFIX]) != line[:_MAX_PREFIX]
-    if len(cells) <= 3 and cells[0][:1].isalpha() and phrase:
-        return False  # "Masked 12" is an entry of the header
+    is_entry = len(cells) <= 3 and cells[0][:1].isalpha() and phrase  # "Masked 12", of the header
     rule = "---" in line and not any(map(str.isalnum, line))  # a line drawn below headings
-    return bool(_are_finite(values).any()) or (len(values) > 1 and not rule)
+    return not is_entry and (bool(_are_finite(values).any()) or (len(values) > 1 and not rule))
 
 
 def _cells(line: str, limit: int = 0) -> list[str]:
