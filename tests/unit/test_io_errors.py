@@ -1,6 +1,8 @@
 """Whatever a reader raises leaves as one sentence on the file, through every door."""
 
+import ast
 import os
+import string
 import subprocess
 import sys
 from dataclasses import replace
@@ -17,6 +19,8 @@ from roughcontact.interface.command_line.folders import list_measurements
 from roughcontact.interface.program import main
 from roughcontact.io.channels import Channel, MeasuredFile
 from roughcontact.io.registry import readers
+from roughcontact.io.request import Request
+from roughcontact.io.vocabulary import rows_of
 
 ERRORS = [
     ValueError("not enough values to unpack"),
@@ -100,3 +104,26 @@ def test_a_package_that_is_not_complete_is_named(tmp_path):
     )
     assert message in inspected.stdout + inspected.stderr
     assert "damaged" not in inspected.stdout + inspected.stderr
+
+
+def test_every_refusal_of_the_table_is_made_with_the_facts_of_its_sentence():
+    """Calls of `refusal` name it as a word, or, where two sentences fit, by a variable that holds either."""
+    sentences = {name: (keys.split(), sentence) for name, keys, sentence in rows_of("refusals.tsv")}
+    fields = {
+        name: {field.partition("[")[0] for _, field, _, _ in string.Formatter().parse(sentence) if field}
+        for name, (_, sentence) in sentences.items()
+    }
+    used = set()
+    for path in sorted((Path(roughcontact.__file__).parent / "io").rglob("*.py")):
+        for function in ast.walk(ast.parse(path.read_text())):
+            calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
+            calls = [call for call in calls if getattr(call.func, "id", "") == "refusal"]
+            for call in calls if isinstance(function, ast.FunctionDef) else ():
+                place = function if isinstance(call.args[0], ast.Name) else call.args[0]
+                texts = {node.value for node in ast.walk(place) if isinstance(node, ast.Constant)}
+                facts = {keyword.arg for keyword in call.keywords}
+                fitting = {name for name in texts & {*fields} if fields[name] == facts}
+                assert fitting, f"{path}:{call.lineno} gives {facts}"
+                used |= fitting
+    assert used == {*fields}
+    assert {key for keys, _ in sentences.values() for key in keys} <= {*Request.__dataclass_fields__}

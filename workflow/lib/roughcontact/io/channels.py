@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import MAX_CHANNELS, MAX_POINTS, check_count, listed
+from roughcontact.io.guards import MAX_CHANNELS, MAX_POINTS, check_count, listed, refusal
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 from roughcontact.io.vocabulary import pattern, words
@@ -153,19 +153,14 @@ def choose_channel(file: MeasuredFile, choice: str | None, *, has_unit: bool = F
             matches = [channel for channel in file.channels if spelling(channel.name) == spelling(choice)]
             if len(matches) == 1:
                 return matches[0], f"{matches[0].name!r}, named by the user"
-        wrong = f"no channel is named {str(choice)!r}"
-        raise InputFileError(f"{wrong}; the file has {listing}{together}", keys=["channel"])
+        raise refusal("no such channel", choice=str(choice), listing=listing, together=together)
     if file.question:
-        way_out = f"name one with channel (table of surfaces or argument), of {listing}"
-        repeats = "or all, in a row each, as repeats of one part of a group"
-        raise InputFileError(f"{file.question}; {way_out}; {repeats}{together}", keys=["channel"])
+        raise refusal("several channels", question=file.question, listing=listing, together=together)
     is_height = has_unit and len(names) == 1
     heights = [channel for channel in file.channels if is_height or not channel.no_height]
     if not heights:
         reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in file.channels)
-        wrong = f"no channel of this file holds heights ({reasons or 'it has none'})"
-        way_out = "if one does, name it with channel and give height_unit"
-        raise InputFileError(f"{wrong}; {way_out}", keys=["channel", "height_unit"])
+        raise refusal("no heights", reasons=reasons or "it has none")
     # by name the last resort: a map called error may still be the only one with lengths
     channel = min(heights, key=lambda channel: NO_TOPOGRAPHY.search(channel.name) is not None)
     chosen = f"the first height channel of {len(names)}" if len(names) > 1 else "the only channel"

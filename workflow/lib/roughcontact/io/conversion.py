@@ -12,6 +12,7 @@ from roughcontact.arguments.checking import marker_values
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io import instrument_kinds
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, choose_channel
+from roughcontact.io.guards import refusal
 from roughcontact.io.plausibility import Suspicion, suspicions
 from roughcontact.io.positions import scattered
 from roughcontact.io.request import Request
@@ -118,10 +119,7 @@ def _checksum_notes(file: MeasuredFile, request: Request) -> list[str]:
     if not file.stale:
         return []
     if request.checksum is None:
-        cause = "because it was changed or damaged after it was written"
-        wrong = f"{file.stale}: not readable as {file.format.partition(' (')[0]}, {cause}"
-        way_out = "where you know the change, give checksum = ignore (table of surfaces or argument)"
-        raise InputFileError(f"{wrong}; export it again, or, {way_out}", keys=["checksum"])
+        raise refusal("wrong checksum", stale=file.stale, format=file.format.partition(" (")[0])
     return [f"{file.stale}: read nevertheless, as asked (checksum = ignore)"]
 
 
@@ -133,8 +131,5 @@ def _checked(heights: np.ndarray) -> np.ndarray:
         raise HeightMapError(f"all {heights.size} points of the map are missing; check the channel")
     largest = np.nanmax(np.abs(heights))
     if largest > _MAX_HEIGHT:
-        wrong = f"heights up to {largest:.3g} m are no measurement: the height unit is wrong"
-        marker = "the number marks missing points (give it as missing_value)"
-        damage = "the file is damaged (for instance a binary file whose line ends were converted)"
-        raise HeightMapError(f"{wrong}, {marker}, or {damage}", keys=["missing_value"])
+        raise refusal("no measured heights", HeightMapError, largest=largest)
     return heights

@@ -9,8 +9,10 @@ import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from roughcontact.errors import InputFileError, RoughContactError
+from roughcontact.io.vocabulary import rows_of
 
 MAX_FILE_BYTES = 4 * 2**30
 MAX_UNPACKED_BYTES = 2**30
@@ -27,6 +29,21 @@ MAX_POINTS = 2**27  # 1 GiB as float64; a solution needs about ten such arrays
 MAX_CHANNELS = 10_000  # of one file
 _EXAMINED = 2**20  # bytes behind a map that are compared with each other
 BYTES_PER_POINT = 32  # while a map is read: as stored, in double precision, and a copy
+# name of a refusal -> the keys that it asks for, and its sentence
+_REFUSALS = {name: (keys.split(), sentence) for name, keys, sentence in rows_of("refusals.tsv")}
+
+
+def refusal(name: str, kind: type[RoughContactError] = InputFileError, /, **facts: Any) -> RoughContactError:
+    """Return the error of some name in the table of refusals, with facts in its sentence.
+
+    Examples
+    --------
+    >>> error = refusal("no such channel", choice="z", listing="'height'", together="")
+    >>> str(error), error.keys
+    ("no channel is named 'z'; the file has 'height'", ('channel',))
+    """
+    keys, sentence = _REFUSALS[name]
+    return kind(sentence.format(**facts), keys=keys)
 
 
 def brief(error: Exception) -> str:
@@ -89,15 +106,13 @@ def refusing(message: str, way_out: str = "") -> Iterator[None]:
 def check_file(path: Path) -> None:
     """Refuse a path that is no regular file, and a file that is empty, too large, or a ZIP bomb."""
     if len(name := str(path)) > _MAX_PATH_LENGTH or max(map(len, path.parts), default=0) > _MAX_NAME_LENGTH:
-        wrong = f"{name[:60]}...: a path of {len(name)} characters, longer than any file's"
-        raise InputFileError(f"{wrong}; check the path")
+        raise refusal("long path", path=name[:60], length=len(name))
     try:
         status = path.stat()
     except PermissionError as error:
         raise InputFileError("its folder may not be read by this user") from error
     except (OSError, ValueError) as error:
-        where = "relative paths start at the working folder"
-        raise InputFileError(f"no such file; check the path ({where})") from error
+        raise refusal("no file") from error
     if path.is_dir():
         raise InputFileError("is a folder; name one file in it (roughcontact inspect lists them)")
     if not path.is_file():
@@ -158,8 +173,7 @@ def check_memory(size: float, data_name: str) -> None:
     """Refuse to read data that need more memory (bytes) than this computer has."""
     total = memory_bytes()
     if total is not None and size > total:
-        sizes = f"{size / 2**30:.1f} GiB of memory to be read, this computer has {total / 2**30:.1f} GiB"
-        raise InputFileError(f"{data_name} need {sizes}; crop the map, or read it on a larger computer")
+        raise refusal("memory", data=data_name, required=size / 2**30, total=total / 2**30)
 
 
 def memory_bytes() -> float | None:
@@ -175,8 +189,7 @@ def memory_bytes() -> float | None:
 def refuse_cut_off(size: int, required_size: int) -> None:
     """Refuse a file with fewer bytes than it needs."""
     if size < required_size:
-        wrong = f"{size} bytes where its header needs {required_size}"
-        raise InputFileError(f"{wrong}: it was cut off, or lost bytes on the way; copy or export it again")
+        raise refusal("cut off", size=size, required=required_size)
 
 
 def compare_size(path: Path, required_size: int) -> tuple[str, list[str]]:
@@ -208,8 +221,7 @@ def check_line_ends(path: Path) -> None:
     feeds = data.count(b"\n")
     # one byte in 256 of binary data is a line feed: no coincidence
     if feeds > 50 and feeds == data.count(b"\r\n"):
-        wrong = "every line feed in this binary file follows a carriage return"
-        raise InputFileError(f"{wrong}: it was transferred as text and is damaged; copy it again as binary")
+        raise refusal("line ends")
 
 
 def _check_archive(path: Path) -> None:
@@ -242,16 +254,13 @@ def _check_xml(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
     name = f"{entry.filename} in the archive"
     large = entry.file_size > _PROLOG * 16 and entry.file_size > _PADDED * entry.compress_size
     if entry.file_size > MAX_XML_BYTES or large:
-        sizes = f"{entry.file_size} bytes of XML, packed in {entry.compress_size}"
-        raise InputFileError(f"{name} has {sizes}: no description of a map is so long")
+        raise refusal("large XML", name=name, size=entry.file_size, packed=entry.compress_size)
     tail = b""
     with archive.open(entry) as stream:
         while block := stream.read(_PROLOG):
             text = tail + block.replace(b"\0", b"").upper()  # makes UTF-16 searchable
             if declaration := re.search(rb"<!(DOCTYPE|ENTITY)", text):
-                wrong = f"{name} declares {declaration[1].decode()}, which is refused"
-                danger = "it can expand without limit or read other files"
-                raise InputFileError(f"{wrong} because {danger}; export the map again")
+                raise refusal("declaration in XML", name=name, declaration=declaration[1].decode())
             if not tail and len(block) == _PROLOG and not text.strip():
                 raise InputFileError(f"{name} begins with {_PROLOG} bytes of blanks: it is no XML")
             tail = text[-16:]

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import refusing
+from roughcontact.io.guards import refusal, refusing
 
 MARK = b"\x89HDF\r\n\x1a\n"
 _HEAP = b"GCOL\x01\0\0\0"
@@ -91,7 +91,7 @@ def _arrays(file: Any) -> Iterator[tuple[str, tuple[int, ...]]]:
         for name in group:
             link, full_name = group.get(name, getlink=True), f"{group.name.rstrip('/')}/{name}"
             if isinstance(link, h5py.ExternalLink):
-                raise _outside(f"{full_name} is a link into another file")
+                raise refusal("outside", what=f"{full_name} is a link into another file")
             try:
                 entry = group[name]
             except (KeyError, OSError, RuntimeError):
@@ -100,8 +100,7 @@ def _arrays(file: Any) -> Iterator[tuple[str, tuple[int, ...]]]:
                 raise
             address = h5py.h5o.get_info(entry.id).addr
             if isinstance(entry, h5py.Group) and (address in addresses or depth == _MAX_DEPTH):
-                wrong = f"is a group that occurs twice or lies more than {_MAX_DEPTH} groups deep"
-                raise InputFileError(f"{full_name} {wrong}, which is refused: the file may have no end")
+                raise refusal("groups without end", name=full_name, depth=_MAX_DEPTH)
             if address in addresses:
                 continue
             addresses.add(address)
@@ -119,16 +118,8 @@ def _check_array(array: Any) -> None:
     import h5py
 
     if array.external:
-        raise _outside(f"the numbers of {array.name} lie in another file")
+        raise refusal("outside", what=f"the numbers of {array.name} lie in another file")
     if array.is_virtual:
-        raise _outside(f"{array.name} is put together from other files")
+        raise refusal("outside", what=f"{array.name} is put together from other files")
     if array.shape == () and h5py.h5ds.is_scale(array.id):
-        wrong = f"{array.name} of this HDF5 file is the scale of an axis but a single number"
-        way_out = "save the heights as .npy or netCDF"
-        raise InputFileError(f"{wrong}, so that nothing says where points lie; {way_out}")
-
-
-def _outside(description: str) -> InputFileError:
-    """Return the error for a file with data in other files."""
-    reason = "any file of this computer would be read as heights"
-    return InputFileError(f"{description}, which is refused: {reason}; copy the numbers into one file")
+        raise refusal("scale of one number", name=array.name)

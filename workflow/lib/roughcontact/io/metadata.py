@@ -73,6 +73,5 @@ def _plain(value: Any) -> str | float | None:
 
 def labelled(instrument: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the metadata from `instrument_metadata` for people, as labels and texts."""
-    labels = [LABELS.get(entry, entry.replace("_", " ")) for entry in instrument]
-    texts = [number(value) if isinstance(value, float) else str(value) for value in instrument.values()]
-    return list(zip(labels, texts, strict=True))
+    texts = {key: number(fact) if isinstance(fact, float) else str(fact) for key, fact in instrument.items()}
+    return [(LABELS.get(key, key.replace("_", " ")), text) for key, text in texts.items()]

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, Points
-from roughcontact.io.guards import check_points
+from roughcontact.io.guards import check_points, refusal
 
 #: Along one axis a step, or positions in the file's units.
 Positions = np.ndarray | float | None
@@ -137,8 +137,7 @@ def points_on_grid(
     along_y, row = _grid_lines(y, "y")
     nx, ny = along_x.size, along_y.size
     if z.size < 0.5 * nx * ny:
-        counts = f"({nx} different x, {ny} different y)"
-        raise UnevenPositionsError(f"{z.size} points x y z do not form an even grid {counts}")
+        raise refusal("few points of a grid", UnevenPositionsError, count=z.size, nx=nx, ny=ny)
     check_points((ny, nx))
     _refuse_repeated(row * nx + column, lines)  # within rounding
     # before the missing points are filled with NaN, which would hide that the list was cut off
@@ -155,8 +154,7 @@ def _refuse_repeated(indices: np.ndarray, lines: Sequence[int]) -> None:
     _, unique = np.unique(indices, return_index=True)
     if unique.size < indices.size:
         index = int(np.setdiff1d(np.arange(indices.size), unique)[0])
-        wrong = f"several points of the list have the same position, the first is that in line {lines[index]}"
-        raise InputFileError(f"{wrong}; leave one map in the file")
+        raise refusal("repeated position", line=lines[index])
 
 
 def _refuse_cut_list(row: np.ndarray, column: np.ndarray) -> None:
@@ -179,8 +177,7 @@ def _grid_lines(positions: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarra
     # positions of one line differ by their rounding, those of two by a step: nothing lies between
     limit = 0.5 * np.max(gaps)
     if np.any((gaps < limit) & (gaps > 0.02 * np.max(gaps))):
-        steps = f"steps along {name} between {gaps.min():g} and {gaps.max():g}"
-        raise UnevenPositionsError(f"the points x y z do not lie on an even grid ({steps})")
+        raise refusal("uneven points", UnevenPositionsError, axis=name, low=gaps.min(), high=gaps.max())
     starts = np.concatenate([[0], np.flatnonzero(gaps > limit) + 1])
     centres = np.add.reduceat(distinct, starts) / np.diff(np.append(starts, distinct.size))
     return centres, np.searchsorted(starts, np.searchsorted(distinct, positions), side="right") - 1

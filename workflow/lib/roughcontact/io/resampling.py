@@ -10,7 +10,7 @@ import numpy as np
 
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel
-from roughcontact.io.guards import check_points
+from roughcontact.io.guards import check_points, refusal
 from roughcontact.io.request import Request
 from roughcontact.io.scale import given_step
 from roughcontact.io.units import is_length, metres
@@ -40,9 +40,7 @@ def resample_evenly(channel: Channel, request: Request) -> tuple[Channel, Reques
         return channel, request, []
     x, y, z, uneven = channel.points
     if request.resample is None:
-        way_out = "give resample = linear (table of surfaces or argument) to interpolate to an even grid"
-        elsewhere = "interpolate and export it with the instrument's software"
-        raise InputFileError(f"{uneven}; {way_out}, or {elsewhere}", keys=["resample"])
+        raise refusal("uneven", uneven=uneven)
     positions = [x] if y is None else [x, y]
     steps = [given_step("dx", request), given_step("dy", request)]
     if any(steps):  # positions and steps in `unit`

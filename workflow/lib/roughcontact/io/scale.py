@@ -10,6 +10,7 @@ from roughcontact.arguments.si import convert_quantity
 from roughcontact.arguments.units import carries_unit
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.channels import Channel
+from roughcontact.io.guards import refusal
 from roughcontact.io.request import Request
 from roughcontact.io.sources import quoted, says_another_unit
 from roughcontact.io.units import is_length, metres
@@ -34,9 +35,7 @@ def decide_scale(channel: Channel, request: Request) -> tuple[tuple[float, float
     ['dx = 5e-06 m as given by the user, where the file says 2e-06 m']
     """
     if channel.no_height and request.height_unit is None and not is_length(channel.height_unit):
-        way_out = "if it does, give height_unit, the length that a value of 1 stands for"
-        wrong = f"channel {channel.name!r} holds no heights ({channel.no_height})"
-        raise InputFileError(f"{wrong}; {way_out}", keys=["height_unit"])
+        raise refusal("no heights in a channel", name=channel.name, why=channel.no_height)
     notes: list[str] = []
     dx, dy = _steps(channel, request, notes)
     # the width of a profile is never used; a step along y keeps its array like that of a map
@@ -44,8 +43,7 @@ def decide_scale(channel: Channel, request: Request) -> tuple[tuple[float, float
     if dx is None or dy is None or _is_half_stated(channel, request):
         raise _missing_steps(channel, request)
     if not (_SHORTEST < dx < 1 / _SHORTEST and _SHORTEST < dy < 1 / _SHORTEST):
-        wrong = f"steps of {dx:g} m x {dy:g} m are impossible"
-        raise InputFileError(f"{wrong}; give dx, dy and unit", keys=["dx", "dy", "unit"])
+        raise refusal("impossible steps", dx=dx, dy=dy)
     if channel.size_rounding is not None and request.dx is None and request.dy is None:
         _refuse_cut_matrix(channel, dx, dy)
         if dx > _WIDE_PIXEL * dy:
@@ -113,8 +111,7 @@ def _height_factor(channel: Channel, request: Request, steps: tuple[float, float
     # the unit of x and y serves for the heights only where no line of the file has another one
     unsaid = "the file does not say the unit of its heights"
     if request.unit is None or says_another_unit(channel, request, lengths):
-        way_out = "give height_unit in the table of surfaces or as an argument"
-        raise InputFileError(f"{unsaid}{quoted(channel, request)}; {way_out}", keys=["height_unit"])
+        raise refusal("no unit of heights", unsaid=unsaid, lines=quoted(channel, request))
     notes.append(f"{unsaid}: they are taken in {request.unit}, as x and y")
     return metres(request.unit, where="unit", error=SettingsError)
 
@@ -167,8 +164,5 @@ def _refuse_cut_matrix(channel: Channel, dx: float, dy: float) -> None:
     from_ends = abs(from_first_to_last - ny) <= 0.01 + slack and abs(square_rows - ny - 1) > 0.01
     if from_ends or abs(square_rows - round(square_rows)) > 0.01 + slack:
         return
-    wrong = f"{ny} lines of {nx} numbers do not fit the size in the header"
-    pixels = f"the pixels would be {dx:.6g} m x {dy:.6g} m; the file seems to be cut off"
-    way_out = f"If it is whole, {channel.scale_advice}"
-    keys = ["dx", "dy", "unit", *["height_unit"] * (channel.height_unit is None)]
-    raise InputFileError(f"{wrong}: {pixels}. {way_out}", keys=keys)
+    name = "cut matrix" if channel.height_unit else "cut matrix without a unit"
+    raise refusal(name, ny=ny, nx=nx, dx=dx, dy=dy)

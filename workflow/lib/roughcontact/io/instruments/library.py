@@ -19,7 +19,7 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io import hdf5, instrument_kinds
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, as_heights, unreadable
-from roughcontact.io.guards import brief, check_points
+from roughcontact.io.guards import brief, check_points, refusal
 from roughcontact.io.instruments import containers
 from roughcontact.io.instruments.rules import INVERTED, RULES, Header, Rules
 from roughcontact.io.interface import Reader, read_head
@@ -101,14 +101,11 @@ def read_instrument(path: Path) -> MeasuredFile:
         raise InputFileError(f"this is {foreign_format}")
     if failures and marked(head):
         candidate, reason = failures[0]
-        wrong = f"looks like {candidate}, but is damaged, cut off or of a kind that holds no map"
         has_number = isinstance(reason, OSError) and reason.errno is not None  # of the operating system
         cause = "it refers to a place outside the file" if has_number else brief(reason)
-        raise InputFileError(f"{wrong} ({cause})") from reason
-    wrong = "the format is not known, or the file is damaged (recognised by content, not by extension)"
-    way_out = "export the map as X3P, SDF, netCDF or a text matrix with its size and units"
+        raise refusal("damaged instrument file", format=candidate, cause=cause) from reason
     hint = _FILM if path.suffix.lower() == ".asd" else ""
-    raise InputFileError(f"{wrong}; {hint}{way_out}") from (failures[0][1] if failures else None)
+    raise refusal("unknown format", hint=hint) from (failures[0][1] if failures else None)
 
 
 @contextmanager

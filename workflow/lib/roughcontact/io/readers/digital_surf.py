@@ -18,7 +18,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, counted_channels, stated_length
-from roughcontact.io.guards import check_count, check_points, refuse_cut_off, refusing
+from roughcontact.io.guards import check_count, check_points, refusal, refuse_cut_off, refusing
 from roughcontact.io.instruments.rules import IMPRINT, INVERTED
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.units import is_length, metres, same_length
@@ -69,8 +69,7 @@ def _objects(path: Path) -> tuple[list[tuple[np.void, int]], int]:
                 raise InputFileError(f"it holds spectra of {header['spectrum']} points each, no heights")
             points = min(nx, ny) > 0 and nx * ny == header["points"] and bits in (16, 32)
             if not points or sizes[:, 0].sum() != nx * ny * bits // 8:
-                wrong = f"{header['points']} points of {bits} bits in {ny} rows of {nx}"
-                raise InputFileError(f"damaged Digital Surf file: a header states {wrong}")
+                raise refusal("points of an object", points=header["points"], bits=bits, nx=nx, ny=ny)
             check_points((ny, nx))
             refuse_cut_off(size, stop)
             objects.append((header, start))
@@ -78,8 +77,7 @@ def _objects(path: Path) -> tuple[list[tuple[np.void, int]], int]:
             stream.seek(stop)
     first_header = objects[0][0]
     if first_header["type"] in _SERIES and len(objects) < first_header["objects"]:
-        where_counted = f"where its header states {first_header['objects']}"
-        raise InputFileError(f"{len(objects)} objects {where_counted}: it was cut off")
+        raise refusal("few objects", count=len(objects), stated=first_header["objects"])
     return objects, stop
 
 

@@ -15,13 +15,12 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, counted_channels, oversized
-from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, refuse_more, refusing
+from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, refusal, refuse_more, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.text.axes import refuse_points
 
 _MARK = b"MATLAB 5.0 MAT-file"
 _HEADER_BYTES = 128
-_DAMAGED, _AGAIN = "damaged MATLAB file", "copy or save it again"
 _FIRST = ("height", "heights", "z")
 _MATRIX, _COMPRESSED = 14, 15  # types of a variable
 _NUMBERS = ("double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
@@ -90,8 +89,7 @@ def _places(path: Path) -> Iterator[slice]:
         while len(tag := stream.read(8)) == 8:
             data_type, count = (int.from_bytes(field, order) for field in (tag[:4], tag[4:]))
             if data_type not in (_MATRIX, _COMPRESSED):
-                wrong = f"no variable begins {stream.tell() - 8} bytes from its beginning"
-                raise InputFileError(f"{_DAMAGED}: {wrong}, where the one before ends; {_AGAIN}")
+                raise refusal("no variable of MATLAB", place=stream.tell() - 8)
             byte_range = slice(stream.tell() - 8, stream.tell() + count)
             if byte_range.stop > size:
                 raise InputFileError("the last variable of this MATLAB file is not whole: it was cut off")
@@ -106,7 +104,7 @@ def _places(path: Path) -> Iterator[slice]:
                 block = unpacker.unconsumed_tail
                 refuse_more(f"its variables unpack to {total} bytes", total, MAX_UNPACKED_BYTES)
         if tag:
-            raise InputFileError(f"{_DAMAGED}: {len(tag)} bytes follow its last variable; {_AGAIN}")
+            raise refusal("bytes behind MATLAB", count=len(tag))
 
 
 READER = Reader(RecognisedBy.MARK, begins_with(_MARK), read)

@@ -17,7 +17,7 @@ import numpy as np
 from roughcontact.arguments.quantities import counted_noun
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import MIN_MARKER, NO_TOPOGRAPHY, Channel, MeasuredFile
-from roughcontact.io.guards import listed
+from roughcontact.io.guards import listed, refusal
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import LABELS, instrument_metadata
 from roughcontact.io.positions import UnevenPositionsError, even_step, points_on_grid, rounded_step, scattered
@@ -44,7 +44,6 @@ _MAX_PASSAGES = 1000
 _MAX_DISTANCE = 20  # lines above the table among which may be a heading with a unit
 _SIDE = {axis: pattern("side", axis) for axis in "xy"}
 _LEAVE_ONE = "leave one of them in the file"
-_ONE_LINE = "write each row of the map into one line"
 _KEYENCE = -99999.9999  # that VR and VK series write for a missing point
 _ARC_INFO = {"ncols", "nrows", "cellsize"}  # first words of the header of a grid
 
@@ -127,8 +126,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         x, y, z = (Statement(unit, line=rows.filled[-1][0], text=above) for unit in units)
         by_meaning |= {"lateral_unit": [x, *[y] * same_length(x.value, y.value)], "height_unit": [z]}
     elif not columns and (name_count := miscounted(above, width, dialect.delimiter)):
-        below = f"the table below it, from line {rows.lines[0]} on, has {width}"
-        raise InputFileError(f"{above.strip()[:60]!r} names {name_count} columns, {below}: correct that line")
+        raise refusal("names", text=above.strip()[:60], count=name_count, line=rows.lines[0], width=width)
     # "256 192" in one line counts both sides; counts in several lines may be of several things
     points = by_meaning.get("count", [])
     counts = counts or [count.value for count in points if count.line == points[0].line]
@@ -217,9 +215,7 @@ def _file(text: _Text) -> MeasuredFile:
     groups = layout(columns) if columns else None
     if columns and not groups and any(column.name for column in columns) and not are_map_columns(columns):
         listing = listed([f"{name} ({unit})" if unit else name for name, unit, _ in columns if name])
-        wrong = f"nothing says which of the {count} columns {listing} are positions and heights"
-        way_out = "name them x, y and z, in the line above the table, or delete that line above"
-        raise InputFileError(f"{wrong}; {way_out} the heights of a map")
+        raise refusal("columns of anything", count=count, listing=listing)
     # an empty corner tells positions beside a matrix from headings that name its columns
     has_positions = text.empty_corner and find_axes(values, corner=True) is not None
     if groups and not has_positions:
@@ -244,12 +240,9 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
     values = text.values
     ny, nx = values.shape
     if row := begins_anew(values):
-        way_out = "points, then name the columns in a line above them (x, y, z), or a second table, then"
-        raise InputFileError(f"positions begin anew at line {text.rows.lines[row]}: {way_out} {_LEAVE_ONE}")
-    first_line = f"line {text.rows.lines[0]}"
+        raise refusal("positions anew", line=text.rows.lines[row])
     if begins_anew(values.T) or text.empty[1:-1].any():
-        wrong = f"{first_line} begins anew, or has an empty column: maps beside one another"
-        raise InputFileError(f"{wrong}; {_LEAVE_ONE}, or write NaN where a column is missing")
+        raise refusal("maps beside one another", line=text.rows.lines[0])
     unit, note = _unit_in_corner(text.rows.label)
     if heights_unit := unit_of_heights(text.rows.label):
         text.stated.setdefault("height_unit", [Statement(heights_unit, line=text.rows.lines[0])])
@@ -258,14 +251,13 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
     with_unit = bool(unit) or ("lateral_unit" in text.stated and not {*LENGTHS} & {*text.stated})
     axes = find_axes(values, corner=text.empty_corner, positions=with_unit)
     if are_points(values.T):
-        raise InputFileError(f"{first_line} holds positions: write the points in columns, x, (y,) z")
+        raise refusal("points in rows", line=text.rows.lines[0])
     if axes is None and (line := uneven(values)):
-        wrong = f"the first {line} of the table, from {first_line} on, holds positions that are not even"
-        raise InputFileError(f"{wrong}: delete it if it holds none, or write the points as a list x, y, z")
+        raise refusal("uneven first line", which=line, line=text.rows.lines[0])
     # a header that counts the first row and column with the heights says that they are heights
     if axes is None or (text.stated.first("ny"), text.stated.first("nx")) == (ny, nx):
         if text.short:
-            raise InputFileError(f"{first_line} has {nx - 1} numbers where the others have {nx}")
+            raise refusal("short first row", line=text.rows.lines[0], count=nx - 1, width=nx)
         return _matrix(values, text)
     heights, steps, description = axes
     file = _matrix(heights, text, **steps)
@@ -406,15 +398,13 @@ def _refuse_cut_table(shape: tuple[int, ...], counts: list[int]) -> None:
     rows, columns = shape
     total, is_whole = prod(counts), prod(counts) == rows or sorted(counts) == sorted(shape)
     if is_whole and len(counts) == 2 and columns == 1 < min(counts):
-        stated_size = f"{counts[0]:g} x {counts[1]:g} points"
-        raise InputFileError(f"a column of {rows} numbers, where the file says {stated_size}: {_ONE_LINE}")
+        raise refusal("column of a map", rows=rows, counts=counts)
     if len(counts) == 1:
         # two or three columns are positions and heights, of which half may be lost
         is_whole = total <= rows or total == columns or (columns > 3 and total == rows * columns)
     if counts and not is_whole:
-        stated_size = " and ".join(f"{count:g}" for count in counts)
-        wrong = f"the file says {stated_size} points, the table has {rows} rows of {columns} numbers"
-        raise InputFileError(f"{wrong}; it was cut off or changed")
+        stated = " and ".join(f"{count:g}" for count in counts)
+        raise refusal("cut table", stated=stated, rows=rows, columns=columns)
 
 
 def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFile:
@@ -422,13 +412,11 @@ def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFil
     if text.rows.broken:
         raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a height is missing")
     if {"length_y", "dy", "ny"} & {*text.stated}:
-        wrong = f"a column of {heights.size} numbers, where the header states a size along y"
-        raise InputFileError(f"{wrong}: {_ONE_LINE}")
+        raise refusal("column with a size along y", rows=heights.size)
     for index, counter in enumerate(text.columns or ()):
         pieces = runs(text.values[:, index]) if counter.role == "index" else []
         if len(pieces) > 1:
-            wrong = f"{counter.name!r} begins anew or repeats at line {text.rows.lines[pieces[1].start]}"
-            raise InputFileError(f"the column {wrong}: several profiles below one another; {_LEAVE_ONE}")
+            raise refusal("counter anew", name=counter.name, line=text.rows.lines[pieces[1].start])
     return _matrix(heights[None], text, column.unit)
 
 
@@ -510,8 +498,7 @@ def _points(channel: Channel, x: np.ndarray, y: np.ndarray, lines: list[int], te
     except UnevenPositionsError as error:
         # x, z1, z2 of two profiles, or a counter before x and y, look like points x, y, z
         if text.columns is None and (are_points(np.column_stack([x, z])) or form_a_grid(y, z)):
-            way_out = "name the columns in a line above them, as x, z1, z2, or delete the first one"
-            raise InputFileError(f"{error}; {way_out} if it counts the rows") from error
+            raise refusal("profiles or points", error=error) from error
         channel = scattered(channel, x, y, z, str(error) + _or_map(text))
     return MeasuredFile("text list of points (x, y, z)", [channel], first_row="bottom")
 
@@ -527,8 +514,7 @@ def _refuse_lost_lines(shape: tuple[int, ...], text: _Text, content: str = "the 
         expected = text.stated.first(entry) if entry in text.stated else count
         exceeds = expected > count and (name == "columns" or shape[0] > 1)
         if exceeds if content == "the points make" else expected != count:
-            wrong = f"the header says {expected:g} {name}, {content} {count}"
-            raise InputFileError(f"{wrong}; it was cut off or changed")
+            raise refusal("lost lines", stated=expected, name=name, content=content, count=count)
 
 
 def _steps(text: _Text, shape: tuple[int, ...]) -> tuple[dict[str, float], str | None]:
@@ -580,12 +566,10 @@ def _refuse_other_units(units: list[str | None], text: _Text) -> None:
         known_units = [unit for unit in own if unit]
         for statement in entries.get(entry, [])[:1] if known_units else ():
             if not any(same_length(unit, statement.value) for unit in known_units):
-                wrong = f"{statement}, a heading says {known_units[-1]!r}: their units do not agree"
-                raise InputFileError(f"{wrong}; correct one")
+                raise refusal("unit of a heading", statement=statement, unit=known_units[-1])
     for scaled in entries.get("z_factor", [])[:1] if is_length(units[-1]) else ():
         if scaled.value != 1 or scaled.unit not in ("", units[-1]):
-            wrong = f"a column is in {units[-1]!r}, and the header says a factor of the heights"
-            raise InputFileError(f"{wrong}; correct one of them")
+            raise refusal("factor beside a unit", unit=units[-1])
 
 
 READER = Reader(RecognisedBy.TEXT, lambda path, head: looks_like_text(head), read, memory_per_byte=12)

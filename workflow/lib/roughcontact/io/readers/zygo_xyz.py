@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile
-from roughcontact.io.guards import refusing
+from roughcontact.io.guards import refusal, refusing
 from roughcontact.io.instrument_kinds import OPTICAL
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.text.lines import read_text
@@ -27,8 +26,7 @@ def read(path: Path) -> MeasuredFile:
         pixel = float(lines[7].split()[6])
         points = [line.split()[:3] for line in lines[marks[0] + 1 : [*marks, None][1]]]
         if len(marks) != 2 or len(points) != nx * ny:
-            wrong = f"{len(points)} lines of points where the header needs {nx} x {ny}"
-            raise InputFileError(f"{wrong}: it was cut off or changed")
+            raise refusal("lines of points", count=len(points), nx=nx, ny=ny)
         x, y = np.array([point[:2] for point in points], dtype=int).T
         heights = np.full((ny, nx), np.nan)
         heights[y - y.min(), x - x.min()] = [float("nan" if z == "No" else z) for _, _, z in points]

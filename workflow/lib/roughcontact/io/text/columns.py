@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from roughcontact.errors import InputFileError
+from roughcontact.io.guards import refusal
 from roughcontact.io.text.header import MAX_LINE_LENGTH, statements
 from roughcontact.io.units import is_length, same_length
 from roughcontact.io.vocabulary import meanings, pattern, words
@@ -68,8 +68,7 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
         has_headings = any(column.unit or column.role for column in columns)
         for index, (column, unit) in enumerate(zip(columns, units, strict=True)):
             if column.unit and unit and not same_length(column.unit, unit):
-                wrong = f"{line.strip()[:60]!r} and the units below it, {column.unit!r} and {unit!r}"
-                raise InputFileError(f"{wrong}, do not agree: correct one of them")
+                raise refusal("units below", text=line.strip()[:60], unit=column.unit, below=unit)
             columns[index] = column._replace(unit=column.unit or unit)
         if all(is_length(cell) or cell.strip("[]()").lower() in _NO_NAMES for cell in cells):
             units = [column.unit for column in columns]  # a line of units, below the names
@@ -200,8 +199,7 @@ def _cells(line: str, count: int, delimiter: str | None) -> list[str]:
     ways = _divided(line, delimiter)
     fitting = [cells[:count] if _filled(cells) <= count <= len(cells) else [] for cells in ways]
     if len(ways) > 1 and not any(fitting[:2]) and all(fitting[2:]) and fitting[2] != fitting[3]:
-        way_out = "write each name without blanks, or a tab between them"
-        raise InputFileError(f"{line.strip()[:60]!r}: {way_out}")
+        raise refusal("names with blanks", text=line.strip()[:60])
     chosen = next(filter(None, fitting), [])
     cells = [cell.replace("\0", " ").strip(' "').rstrip(",;").strip() for cell in chosen]
     columns = [_column(cell) for cell in cells]

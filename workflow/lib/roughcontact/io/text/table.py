@@ -14,7 +14,7 @@ import numpy as np
 
 from roughcontact.arguments.quantities import counted_noun
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import brief, check_count, check_points
+from roughcontact.io.guards import brief, check_count, check_points, refusal
 from roughcontact.io.text.columns import WIDE_TABLE, is_heading
 from roughcontact.io.text.header import LENGTHS, Stated, statements
 from roughcontact.io.units import is_length
@@ -185,7 +185,7 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     rows = (at for at in filled if not _is_remark(lines[at : at + 3]) and _is_data(lines[at]))
     # rows of numbers are none of labelled ones
     pairs = (at for at in filled if _are_labelled(lines[at : at + 2]))
-    extent = f" in its first {_MAX_HEADER_LINES} lines" if len(filled) > _MAX_HEADER_LINES else ""
+    extent = len(filled) > _MAX_HEADER_LINES
     found = next(chain(rows, pairs), None)
     # without one each row has a word, and below them may be lines of words
     ends = (at + 1 for at in reversed(filled) if not extent and is_row(lines[at]))
@@ -198,8 +198,7 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     if found is not None or start < bottom:
         return lines[:start], lines[start:]
     sample = lines[filled[0]].strip() if filled else ""
-    way_out = "; delete lines above the table" * bool(extent)
-    raise InputFileError(f"text without a table of numbers{extent}{way_out}; it starts with {sample[:60]!r}")
+    raise refusal("long text without a table" if extent else "text without a table", text=sample[:60])
 
 
 def _is_remark(lines: list[str]) -> bool:
@@ -352,8 +351,7 @@ def separators(body: list[str], header: Sequence[str] = ()) -> Dialect:
     if "." not in text and one_comma and (leading_zero or comma_above):
         return Dialect(None, True)
     if "." not in text and (leading_zero or (one_comma and len(sample) > 1)):
-        way_out = "write decimals with a point, or separate columns with a tab or a semicolon"
-        raise InputFileError(f"the comma in {sample[0]!r} may be a decimal sign or a separator; {way_out}")
+        raise refusal("comma", text=sample[0])
     return Dialect(",", False)
 
 
@@ -548,12 +546,10 @@ def _lacks_corner(counts: array) -> bool:
     return len(counts) > _FEW_ROWS and counts[0] + 1 == min(counts[1:]) == max(counts[1:])
 
 
-def _no_row(cell: str, number: int) -> InputFileError:
+def _no_row(cell: str, number: int) -> Exception:
     """Return the error for a line that is no row of a table, with the cell or line that is no number."""
-    way_out = "write NaN for a missing point, leave the table alone in the file, below lines of words, or "
-    way_out += "export the map as X3P or SDF"
-    way_out = WITHOUT_THOUSANDS if re.search(r"\d[.,'\s]\d{3}(?!\d)", cell) else way_out
-    return InputFileError(f"line {number} is no row of numbers ({brief(ValueError(cell))}); {way_out}")
+    name = "row with thousands" if re.search(r"\d[.,'\s]\d{3}(?!\d)", cell) else "no row"
+    return refusal(name, line=number, cell=brief(ValueError(cell)))
 
 
 def _refuse_unequal_rows(counts: array, lines: list[int]) -> None:
@@ -562,9 +558,9 @@ def _refuse_unequal_rows(counts: array, lines: list[int]) -> None:
     if len(widths) > 1:
         width = widths.most_common(1)[0][0]
         bad = next(index for index, count in enumerate(counts) if count != width)
-        cut = "; the last line is incomplete: the file was cut off" if bad == len(counts) - 1 else ""
-        row = f"row {bad + 1} has {counted_noun(counts[bad], 'number')}"
-        raise InputFileError(f"{row} where the others have {width} (line {lines[bad]}){cut}")
+        numbers, name = counted_noun(counts[bad], "number"), "unequal row"
+        name = "cut row" if bad == len(counts) - 1 else name
+        raise refusal(name, row=bad + 1, numbers=numbers, width=width, line=lines[bad])
 
 
 def word_in_row(line: str, width: int, dialect: Dialect) -> str | None:
@@ -594,9 +590,7 @@ def refuse_lost_row(rows: Rows, width: int, dialect: Dialect) -> None:
     is_text = width <= 3 and (line.strip()[:1].isalpha() or line.strip()[:1] in COMMENT_SIGNS)
     if stray_word is None or is_text or re.search(r"[^\W\d]\s*[:=]", line) or statements([line]):
         return
-    wrong = f"line {number} has as many cells as the rows of the table below it"
-    way_out = "correct it, write NaN for a missing point, or delete the line if it is no row of the map"
-    raise InputFileError(f"{wrong}, and {stray_word[:40]!r} in place of a number: {way_out}")
+    raise refusal("lost row", line=number, word=stray_word[:40])
 
 
 def _are_finite(values: Iterable[float | None]) -> np.ndarray:
@@ -681,9 +675,7 @@ def thousands(by_meaning: Stated, body: list[str], dialect: Dialect) -> list[str
         return []
     example = next(iter(examples[True].values()))
     if conflict := examples[True].keys() & examples[False].keys():
-        conflict_in_words = f"{example!r} and {examples[False][min(conflict)]!r} in one table"
-        wrong = f"with three digits behind every {sign!r}: it separates thousands or decimals"
-        raise InputFileError(f"{conflict_in_words}, {wrong}; {WITHOUT_THOUSANDS}, or with four decimals")
+        raise refusal("thousands or decimals", one=example, other=examples[False][min(conflict)], sign=sign)
     doubt = f"every number has three digits behind its {sign!r}, as in {example!r}: it is read as the decimal"
     return [f"{doubt} sign; if it separates thousands, {WITHOUT_THOUSANDS}"]
 
@@ -697,6 +689,4 @@ def _refuse_both_marks(body: list[str]) -> None:
     first_examples = {match[1]: match[0] for match in reversed(matches)}
     lengths = {mark: {len(match[2]) for match in matches if match[1] == mark} for mark in ".,"}
     if len(first_examples) == 2 and {3} in lengths.values():
-        conflict_in_words = f"{first_examples[',']!r} and {first_examples['.']!r} in one table"
-        wrong = "either mark may be the decimal sign or separate thousands"
-        raise InputFileError(f"{conflict_in_words}: {wrong}; {WITHOUT_THOUSANDS}")
+        raise refusal("both marks", comma=first_examples[","], point=first_examples["."])
