@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import listed
+from roughcontact.io.guards import listed, refusal
 
 TIFF = (b"II*\0", b"MM\0*")
 ZIP = (b"PK\x03\x04",)
@@ -89,31 +89,26 @@ def formats_within(path: Path) -> set[str]:
     return {format_ for suffix, format_ in _FORMATS.items() if any(name.endswith(suffix) for name in names)}
 
 
-def foreign(path: Path, head: bytes) -> str:
-    """Return the name of a container format without a reader, and how to convert it; empty where unknown."""
+def foreign(path: Path, head: bytes) -> Exception | None:
+    """Return the refusal of a container format without a reader, with how to convert it; None: unknown."""
     if head.startswith(TIFF):
-        wrong = "a TIFF picture, but none of Park Systems, JPK or Olympus LEXT: nothing says its heights"
-        return f"{wrong}; export the map itself as X3P, SDF or text"
+        return refusal("picture")
     if head.startswith(OLE) and "Workbook".encode("utf-16-le") in path.read_bytes():
-        return "an Excel workbook; save the sheet as CSV or text"
-    return _archive(path) if head.startswith(ZIP) else ""
+        return refusal("old workbook")
+    return _archive(path) if head.startswith(ZIP) else None
 
 
-def _archive(path: Path) -> str:
-    """Return the kind of an archive by the files in it, and how to convert it."""
+def _archive(path: Path) -> Exception:
+    """Return the refusal of an archive by the files in it."""
     names = _entry_names(path)
     if any(name.startswith("xl/") for name in names):
         sheets = list_sheets(path) if "xl/workbook.xml" in names else []
-        way_out = "save the sheet with the heights as CSV or text"
-        way_out += f" (its sheets: {listed(sheets, 5)})" if sheets else ""
-        return f"an Excel workbook, but not one of Mitutoyo's profiles; {way_out}"
+        return refusal("workbook", sheets=f" (its sheets: {listed(sheets, 5)})" if sheets else "")
     if any(name.startswith(("word/", "ppt/")) for name in names):
-        return "an Office document; export the map itself as X3P, SDF or text"
+        return refusal("document")
     if names and all(name.endswith(".npy") for name in names):
-        return "an archive of NumPy arrays (npz); save the array of heights alone with numpy.save"
-    wrong = "a ZIP archive of none of the formats that are known (X3P, PLUX, NMM, POIR, QEP, Mitutoyo)"
-    listing = listed(names, 4) or "nothing"
-    return f"{wrong}; it holds {listing}; if one of these is the measured file, unpack it"
+        return refusal("npz")
+    return refusal("archive", listing=listed(names, 4) or "nothing")
 
 
 def list_sheets(path: Path) -> list[str]:

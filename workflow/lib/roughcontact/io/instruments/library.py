@@ -28,7 +28,6 @@ from roughcontact.io.text.lines import looks_like_text
 from roughcontact.io.units import is_length
 from roughcontact.io.vocabulary import marks, rows_of
 
-_FILM = "a film of high-speed AFM (asd) is not read: save a frame as text or GWY; "
 _BYTES_PER_BYTE = 8  # memory for each byte of a file: two-byte integers become double precision, twice
 
 
@@ -98,14 +97,14 @@ def read_instrument(path: Path) -> MeasuredFile:
                 if format_.name != "mitutoyo" and not is_foreign:
                     failures.append((library.name(), error))
     if not failures and (foreign_format := containers.foreign(path, head)):
-        raise InputFileError(f"this is {foreign_format}")
+        raise foreign_format
     if failures and marked(head):
         candidate, reason = failures[0]
         has_number = isinstance(reason, OSError) and reason.errno is not None  # of the operating system
         cause = "it refers to a place outside the file" if has_number else brief(reason)
         raise refusal("damaged instrument file", format=candidate, cause=cause) from reason
-    hint = _FILM if path.suffix.lower() == ".asd" else ""
-    raise refusal("unknown format", hint=hint) from (failures[0][1] if failures else None)
+    name = "film" if path.suffix.lower() == ".asd" else "unknown format"
+    raise refusal(name) from (failures[0][1] if failures else None)
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from roughcontact.arguments.measurement import json_attribute, map_attributes
 from roughcontact.errors import InputFileError
 from roughcontact.io import classic, hdf5
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, oversized, unreadable
-from roughcontact.io.guards import MAX_POINTS, check_count, refuse_more, refusing
+from roughcontact.io.guards import MAX_POINTS, check_count, refusal, refuse_more, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.positions import channel_on_grid
@@ -53,7 +53,7 @@ def read(path: Path) -> MeasuredFile:
         after_failure.pop_all()
     channels += [oversized(name, shape) for name, shape in too_long.items()]
     if not channels:
-        raise InputFileError(_no_map_message(arrays, names))
+        raise _no_map(arrays, names)
     channels.sort(key=lambda channel: (channel.name.partition("[")[0] not in _FIRST, bool(channel.doubt)))
     size = required_size and required_size + seal_size
     return MeasuredFile("netCDF", channels, "bottom", instrument, required_size=size, close=dataset.close)
@@ -95,17 +95,15 @@ def _oversized_variables(path: Path) -> dict[str, tuple[int, ...]]:
     return too_long
 
 
-def _no_map_message(arrays: dict[str, tuple[int, ...]], names: list[str]) -> str:
-    """Return the error message for a file without a map."""
+def _no_map(arrays: dict[str, tuple[int, ...]], names: list[str]) -> Exception:
+    """Return the error for a file without a map."""
     if arrays:
         sizes = [f"{name} ({' x '.join(map(str, shape)) or '1'})" for name, shape in sorted(arrays.items())]
         listing = ", ".join(sizes[:5]) + (f" and {len(sizes) - 5} more" if len(sizes) > 5 else "")
-        kind = "an HDF5 file, but neither netCDF nor one of Zygo's or JPK's"
-        wrong = f"so that nothing says which of its arrays are heights; it has {listing}"
-        return f"{kind}, {wrong}; save the heights as .npy or netCDF"
+        return refusal("HDF5 of anything", listing=listing)
     if not names:
-        return "an empty netCDF or HDF5 file: it has no variable at all"
-    return f"no variable over two axes (y, x) in this netCDF file; it has {', '.join(names)}"
+        return refusal("no variable")
+    return refusal("no map in netCDF", names=", ".join(names))
 
 
 def _variable(dataset: Any, name: Any, dims: tuple[str | None, str], selection: dict[str, int]) -> Channel:
