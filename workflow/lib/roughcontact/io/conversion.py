@@ -77,16 +77,15 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
         notes.append(axes[2].replace("is taken as", "may be").replace(", and left out", ""))
     with np.errstate(over="ignore"):  # infinite heights are refused below
         heights = _checked(numbers * factor)
-    header_lines, doubts = lines_not_used(channel, request, steps, factor, numbers)
+    header_lines, remarks = lines_not_used(channel, request, steps, factor, numbers)
     origins = sources(file, channel, request) | {"not used": header_lines}
-    first_row, is_assumption, turn_notes = _first_row(file, channel, request)
+    first_row, is_assumed, turn_notes = _first_row(file, channel, request)
     if first_row == "top":
         heights = np.ascontiguousarray(heights[::-1])
     facts = [*marker_notes, *resampling, *scale_notes, *turn_notes]
-    notes += [*doubts, *facts]
-    row = first_row, is_assumption
-    implausible = suspicions(heights, *steps, kind=instrument_kinds.of_name(file.instrument.get("kind")))
-    return Converted(channel, choice, heights, *steps, notes, facts, origins, *row, implausible)
+    notes += [*remarks, *facts]
+    doubts = suspicions(heights, *steps, kind=instrument_kinds.of_name(file.instrument.get("kind")))
+    return Converted(channel, choice, heights, *steps, notes, facts, origins, first_row, is_assumed, doubts)
 
 
 def _drop_markers(channel: Channel, request: Request) -> tuple[Channel, list[str]]:

@@ -72,8 +72,8 @@ def inspect_heights(path: Path, request: Request) -> tuple[dict, np.ndarray | No
     """Return the content of a file, and the heights (ny, nx; m) of `read_height_map`, None where it fails."""
     with naming(path), closing(open_file(path)) as file:
         content = {"file": path.name, "bytes": path.stat().st_size, "sha256": sha256(path)}
-        facts = ("format", "first_row", "first_row_assumed", "instrument")
-        content |= {key: getattr(file, key) for key in facts}
+        names = ("format", "first_row", "first_row_assumed", "instrument")
+        content |= {key: getattr(file, key) for key in names}
         map_content, heights = _map(path, request, file)
         channels = list(_descriptions(file.channels, path, chosen=map_content["channel"]))
     return content | map_content | {"channels": channels}, heights

@@ -73,8 +73,7 @@ def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float
     residual = np.where(is_finite, z - plane[0] - plane[1] * x - (plane[2] * y)[:, None], 0.0)
     slopes = [np.diff(height, axis=1) / dx, np.diff(height, axis=0) / dy]
     spread = [slope[np.isfinite(slope)].var() for slope in slopes if np.isfinite(slope).any()]
-    rms_gradient = float(np.sqrt(sum(spread))) if spread else np.nan
-    return float(np.sqrt((residual**2).sum() / count)), rms_gradient
+    return float(np.sqrt((residual**2).sum() / count)), float(np.sqrt(sum(spread))) if spread else np.nan
 
 
 def quantisation_step(height: np.ndarray) -> float | None:

@@ -558,8 +558,8 @@ def _refuse_unequal_rows(counts: array, lines: list[int]) -> None:
     if len(widths) > 1:
         width = widths.most_common(1)[0][0]
         bad = next(index for index, count in enumerate(counts) if count != width)
-        numbers, name = counted_noun(counts[bad], "number"), "unequal row"
-        name = "cut row" if bad == len(counts) - 1 else name
+        name = "cut row" if bad == len(counts) - 1 else "unequal row"
+        numbers = counted_noun(counts[bad], "number")
         raise refusal(name, row=bad + 1, numbers=numbers, width=width, line=lines[bad])
 
 

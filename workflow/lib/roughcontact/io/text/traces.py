@@ -26,8 +26,7 @@ def runs(x: np.ndarray) -> list[slice]:
     start = 0
     # heights taken for positions turn at every point: a file of millions of runs is refused, not listed
     while start < x.size and len(run_slices) <= MAX_CHANNELS:
-        rising = start < signs.size and signs[start]
-        stop = stops[bisect_right(stops, start)] + 1 if rising else start + 1
+        stop = stops[bisect_right(stops, start)] + 1 if start < signs.size and signs[start] else start + 1
         run_slices.append(slice(start, stop))
         start = stop
     return run_slices
