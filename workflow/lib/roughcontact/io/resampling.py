@@ -40,7 +40,7 @@ def resample_evenly(channel: Channel, request: Request) -> tuple[Channel, Reques
         return channel, request, []
     x, y, z, uneven = channel.points
     if request.resample is None:
-        raise refusal("uneven", uneven=uneven)
+        raise refusal("uneven positions", uneven=uneven)
     positions = [x] if y is None else [x, y]
     steps = [given_step("dx", request), given_step("dy", request)]
     if any(steps):  # positions and steps in `unit`

@@ -103,7 +103,7 @@ def read_instrument(path: Path) -> MeasuredFile:
         has_number = isinstance(reason, OSError) and reason.errno is not None  # of the operating system
         cause = "it refers to a place outside the file" if has_number else brief(reason)
         raise refusal("damaged instrument file", format=candidate, cause=cause) from reason
-    name = "film" if path.suffix.lower() == ".asd" else "unknown format"
+    name = "film of high-speed AFM" if path.suffix.lower() == ".asd" else "unknown format"
     raise refusal(name) from (failures[0][1] if failures else None)
 
 

@@ -69,7 +69,7 @@ def _objects(path: Path) -> tuple[list[tuple[np.void, int]], int]:
                 raise InputFileError(f"it holds spectra of {header['spectrum']} points each, no heights")
             points = min(nx, ny) > 0 and nx * ny == header["points"] and bits in (16, 32)
             if not points or sizes[:, 0].sum() != nx * ny * bits // 8:
-                raise refusal("points of an object", points=header["points"], bits=bits, nx=nx, ny=ny)
+                raise refusal("damaged object", points=header["points"], bits=bits, nx=nx, ny=ny)
             check_points((ny, nx))
             refuse_cut_off(size, stop)
             objects.append((header, start))
@@ -77,7 +77,7 @@ def _objects(path: Path) -> tuple[list[tuple[np.void, int]], int]:
             stream.seek(stop)
     first_header = objects[0][0]
     if first_header["type"] in _SERIES and len(objects) < first_header["objects"]:
-        raise refusal("few objects", count=len(objects), stated=first_header["objects"])
+        raise refusal("cut series", count=len(objects), stated=first_header["objects"])
     return objects, stop
 
 

@@ -100,9 +100,9 @@ def _no_map(arrays: dict[str, tuple[int, ...]], names: list[str]) -> Exception:
     if arrays:
         sizes = [f"{name} ({' x '.join(map(str, shape)) or '1'})" for name, shape in sorted(arrays.items())]
         listing = ", ".join(sizes[:5]) + (f" and {len(sizes) - 5} more" if len(sizes) > 5 else "")
-        return refusal("HDF5 of anything", listing=listing)
+        return refusal("HDF5 without a map", listing=listing)
     if not names:
-        return refusal("no variable")
+        return refusal("empty netCDF")
     return refusal("no map in netCDF", names=", ".join(names))
 
 

@@ -126,7 +126,9 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
         x, y, z = (Statement(unit, line=rows.filled[-1][0], text=above) for unit in units)
         by_meaning |= {"lateral_unit": [x, *[y] * same_length(x.value, y.value)], "height_unit": [z]}
     elif not columns and (name_count := miscounted(above, width, dialect.delimiter)):
-        raise refusal("names", text=above.strip()[:60], count=name_count, line=rows.lines[0], width=width)
+        raise refusal(
+            "miscounted", text=above.strip()[:60], count=name_count, line=rows.lines[0], width=width
+        )
     # "256 192" in one line counts both sides; counts in several lines may be of several things
     points = by_meaning.get("count", [])
     counts = counts or [count.value for count in points if count.line == points[0].line]
@@ -215,7 +217,7 @@ def _file(text: _Text) -> MeasuredFile:
     groups = layout(columns) if columns else None
     if columns and not groups and any(column.name for column in columns) and not are_map_columns(columns):
         listing = listed([f"{name} ({unit})" if unit else name for name, unit, _ in columns if name])
-        raise refusal("columns of anything", count=count, listing=listing)
+        raise refusal("columns without meaning", count=count, listing=listing)
     # an empty corner tells positions beside a matrix from headings that name its columns
     has_positions = text.empty_corner and find_axes(values, corner=True) is not None
     if groups and not has_positions:

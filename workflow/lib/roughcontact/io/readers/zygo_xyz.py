@@ -26,7 +26,7 @@ def read(path: Path) -> MeasuredFile:
         pixel = float(lines[7].split()[6])
         points = [line.split()[:3] for line in lines[marks[0] + 1 : [*marks, None][1]]]
         if len(marks) != 2 or len(points) != nx * ny:
-            raise refusal("lines of points", count=len(points), nx=nx, ny=ny)
+            raise refusal("cut list of pixels", count=len(points), nx=nx, ny=ny)
         x, y = np.array([point[:2] for point in points], dtype=int).T
         heights = np.full((ny, nx), np.nan)
         heights[y - y.min(), x - x.min()] = [float("nan" if z == "No" else z) for _, _, z in points]

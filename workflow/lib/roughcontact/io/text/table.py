@@ -198,7 +198,8 @@ def split_header(lines: list[str]) -> tuple[list[str], list[str]]:
     if found is not None or start < bottom:
         return lines[:start], lines[start:]
     sample = lines[filled[0]].strip() if filled else ""
-    raise refusal("long text without a table" if extent else "text without a table", text=sample[:60])
+    name = "long text without a table" if extent else "text without a table"
+    raise refusal(name, text=sample[:60], lines=_MAX_HEADER_LINES)
 
 
 def _is_remark(lines: list[str]) -> bool:
@@ -351,7 +352,7 @@ def separators(body: list[str], header: Sequence[str] = ()) -> Dialect:
     if "." not in text and one_comma and (leading_zero or comma_above):
         return Dialect(None, True)
     if "." not in text and (leading_zero or (one_comma and len(sample) > 1)):
-        raise refusal("comma", text=sample[0])
+        raise refusal("comma of two meanings", text=sample[0])
     return Dialect(",", False)
 
 
