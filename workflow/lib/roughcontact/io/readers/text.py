@@ -125,10 +125,8 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     if empty_corner and len(units) == 3 < width and all(map(is_length, units)):  # FemtoScan: of x, y, z
         x, y, z = (Statement(unit, line=rows.filled[-1][0], text=above) for unit in units)
         by_meaning |= {"lateral_unit": [x, *[y] * same_length(x.value, y.value)], "height_unit": [z]}
-    elif not columns and (name_count := miscounted(above, width, dialect.delimiter)):
-        raise refusal(
-            "miscounted", text=above.strip()[:60], count=name_count, line=rows.lines[0], width=width
-        )
+    elif not columns and (named := miscounted(above, width, dialect.delimiter)):
+        raise refusal("miscounted", text=above.strip()[:60], count=named, line=rows.lines[0], width=width)
     # "256 192" in one line counts both sides; counts in several lines may be of several things
     points = by_meaning.get("count", [])
     counts = counts or [count.value for count in points if count.line == points[0].line]
