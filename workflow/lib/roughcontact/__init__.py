@@ -22,7 +22,7 @@ _HOME = {
     "read_height_map": "roughcontact.io.read",
     "height_map": "roughcontact.arguments.maps",
     "inspect_file": "roughcontact.io.inspection",
-    "sample_file": "roughcontact.io.samples",
+    "sample_file": "roughcontact.study.samples",
     "level": "roughcontact.surface.levelling.level",
     "composite": "roughcontact.surface.faces.composite",
     "relative_positions": "roughcontact.surface.faces.positions",

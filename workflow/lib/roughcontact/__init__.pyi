@@ -16,7 +16,6 @@ from roughcontact.evaluation.evaluate import contact_table as contact_table
 from roughcontact.evaluation.evaluate import evaluate as evaluate
 from roughcontact.io.inspection import inspect_file as inspect_file
 from roughcontact.io.read import read_height_map as read_height_map
-from roughcontact.io.samples import sample_file as sample_file
 from roughcontact.report import plot as plot
 from roughcontact.results.collect import summary as summary
 from roughcontact.results.collect import table as table
@@ -32,6 +31,7 @@ from roughcontact.statistics.sliding import sliding_friction as sliding_friction
 from roughcontact.statistics.targets import first_yield_pressure as first_yield_pressure
 from roughcontact.statistics.unloading import unload as unload
 from roughcontact.study.running import workflow_file as workflow_file
+from roughcontact.study.samples import sample_file as sample_file
 from roughcontact.surface.faces.composite import composite as composite
 from roughcontact.surface.faces.positions import relative_positions as relative_positions
 from roughcontact.surface.levelling.level import level as level

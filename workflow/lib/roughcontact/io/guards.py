@@ -88,8 +88,7 @@ def _reason(error: Exception) -> str:
     if isinstance(error, OSError) and error.strerror:
         return f"cannot be read ({error.strerror})"
     message = "" if brief(error) == type(error).__name__ else f": {brief(error)}"
-    wrong = f"({type(error).__name__}{message}): it is damaged, or its reader does not foresee it"
-    return f"cannot be read {wrong}; export it in another format, and report this"
+    return str(refusal("unforeseen", error=f"{type(error).__name__}{message}"))
 
 
 @contextmanager

@@ -13,7 +13,7 @@ _SAMPLE = 2**18  # quantiles and distinct values are estimated from about this m
 _MAX_PIXEL_RATIO = 4.04  # ratio of the steps above which a slip is more likely than a choice
 _FLATTEST = 1e-8  # rms gradient below that of polished optics
 _PLATEAU = 0.005  # share of the points at one height
-_FEW_LEVELS, _FEW_POINTS = 64, 100
+_FEW_LEVELS = 64
 _SINGLE = (5e-8, 1.3e-7)  # smallest and largest step of single precision over the number
 _CENTRAL_QUANTILES = (0.005, 0.995)  # quantiles that enclose nearly all heights
 
@@ -37,18 +37,17 @@ class Suspicion(NamedTuple):
 def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN) -> list[Suspicion]:
     """Return the implausible properties of a map (ny, nx; m; steps in m), with the numbers they rest on."""
     finite = height[np.isfinite(height)]
-    low, high, is_large = finite.min(), finite.max(), finite.size >= _FEW_POINTS
-    spikes = [*_extremes(finite, low, high)] if is_large else []
+    low, high = finite.min(), finite.max()
+    spikes = list(_extremes(finite, low, high))
     doubts = _geometry(height.shape, dx, dy)
     # a few points far from all others determine the span: they have a warning of their own
-    span = np.ptp(np.quantile(sample(finite), _CENTRAL_QUANTILES)) if spikes else high - low
+    span = np.ptp(np.quantile(_sample(finite), _CENTRAL_QUANTILES)) if spikes else high - low
     units = list(_ranges(height.shape, span, dx, dy, kind))
     if low == high:
         heights = [f"all heights are equal ({quantity(low, 'm')}): the map is flat or holds no measurement"]
     else:
         units += _slopes(height, dx, dy)
-        levels = _levels(height, finite, low, high) if is_large else ()
-        heights = [*levels, *_lines(height), *_noise(height)]
+        heights = [*_levels(height, finite, low, high), *_lines(height), *_noise(height)]
     doubts += [Suspicion("units", finding) for finding in units]
     advice = "level.outlier_threshold finds isolated ones"  # for a map as measured
     doubts += [Suspicion("spikes", finding, advice) for finding in spikes]
@@ -81,8 +80,8 @@ def quantisation_step(height: np.ndarray) -> float | None:
 
     It is the usual distance of neighbouring levels, if the levels lie on its lattice to a tenth of it.
     """
-    heights = sample(height.reshape(-1))  # large maps leave no room for a copy
-    levels = np.unique(heights[np.isfinite(heights)])
+    sample = _sample(height.reshape(-1))  # large maps leave no room for a copy
+    levels = np.unique(sample[np.isfinite(sample)])
     largest, gaps = np.abs(levels).max(initial=0.0), np.diff(levels)
     # far from zero, single precision itself rounds to steps
     if gaps.size > 1 and max(_SINGLE[0] * largest, 1e-3 * levels.std()) < gaps.min() < _SINGLE[1] * largest:
@@ -99,7 +98,7 @@ def quantisation_step(height: np.ndarray) -> float | None:
     return float(step) if step >= 2 * rounding and np.mean(drift < 0.1) >= 0.9 else None
 
 
-def sample(heights: np.ndarray) -> np.ndarray:
+def _sample(heights: np.ndarray) -> np.ndarray:
     """Return about `_SAMPLE` of the heights, evenly taken."""
     return heights[:: max(1, heights.size // _SAMPLE)]
 
@@ -152,7 +151,9 @@ def _slopes(height: np.ndarray, dx: float, dy: float) -> Iterator[str]:
 
 def _extremes(heights: np.ndarray, low: float, high: float) -> Iterator[str]:
     """Suspect points far from all others."""
-    lower, upper = np.quantile(sample(heights), _CENTRAL_QUANTILES)
+    if heights.size < 100:
+        return
+    lower, upper = np.quantile(_sample(heights), _CENTRAL_QUANTILES)
     reach = 3 * (upper - lower)
     for count, where in (
         (np.count_nonzero(heights < lower - reach), f"below all others (down to {quantity(low, 'm')}"),
@@ -167,7 +168,9 @@ def _extremes(heights: np.ndarray, low: float, high: float) -> Iterator[str]:
 
 def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) -> Iterator[str]:
     """Suspect few levels that are no multiples of a step, and plateaus; of a step the statistics judge."""
-    levels, counts = np.unique(sample(heights), return_counts=True)
+    if heights.size < 100:
+        return
+    levels, counts = np.unique(_sample(heights), return_counts=True)
     if levels.size < _FEW_LEVELS:
         if quantisation_step(height) is None:
             yield f"only {levels.size} different heights occur, at odd distances"

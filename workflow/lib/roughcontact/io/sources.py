@@ -16,7 +16,6 @@ from roughcontact.arguments.checking import marker_values
 from roughcontact.arguments.quantities import counted_noun, quantity
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile
-from roughcontact.io.plausibility import sample
 from roughcontact.io.request import Request
 from roughcontact.io.text.header import LONGEST_QUOTE, NUMBER, SLACK, WIDEST_SLACK, number_and_rounding
 from roughcontact.io.units import is_length, metres
@@ -41,6 +40,7 @@ _ALONE = re.compile(rf"(?<![^\s:=;,])(?>{_PLAIN.pattern})(?=[\s;,).]|$)(?!\s*([^
 _TOLERANCE = re.compile(r"(?:\+/-|±)\s*[\d.,]+\s*\w*")
 _COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*(?!point|pixel)[^\W\d_])")
 _COUNT = re.compile(r"[:=\s]\s*(\d{1,9})\W*$")
+_SAMPLE = 2**18  # heights among which the most frequent ones are looked for
 _FREQUENT = 0.005  # share of the points at one height, as of a marker
 _MAX_QUOTED = 3  # lines in a question
 # what a line may concern -> the keys that it asks for, and the sentence; of several the first counts
@@ -156,9 +156,10 @@ def _conspicuous(heights: np.ndarray) -> set[float]:
     """
     if not heights.size:
         return set()
-    levels, counts = np.unique(sample(heights), return_counts=True)
+    sample = heights[:: max(1, heights.size // _SAMPLE)]
+    levels, counts = np.unique(sample, return_counts=True)
     is_whole = not np.any(heights % 1)  # such numbers agree with any other by chance
-    frequent = set() if is_whole else {*levels[counts > max(2.0, _FREQUENT * counts.sum())].tolist()}
+    frequent = set() if is_whole else {*levels[counts > max(2.0, _FREQUENT * sample.size)].tolist()}
     ends = (heights.min(), heights.max())
     inner = levels[(levels > ends[0]) & (levels < ends[1])]
     gaps = ((float(end), np.min(np.abs(inner - end))) for end in ends if inner.size > 1)

@@ -138,11 +138,9 @@ def _variable(dataset: Any, name: Any, dims: tuple[str | None, str], selection: 
         unread = f"variable {name!r} holds {channel.no_height}, not real numbers"
     # a last axis shorter than all others is hardly x, but as in (y, x, wavelength)
     elif counts and not str(x).lower().startswith("x") and shape[1] < min(shape[0], *counts.values()):
-        axes = ", ".join(map(str, variable.dims))
-        unread = f"nothing says which axes of {name!r} are those of a map: name two of {axes} y and x"
+        unread = str(refusal("axes of anything", name=name, axes=", ".join(map(str, variable.dims))))
     elif positions and name not in positions:
-        unread = f"the positions {' and '.join(positions)} of {name!r} are variables over its axes"
-        unread += "; make them coordinates of a grid, or save the points as text x, y, z"
+        unread = str(refusal("positions over axes", name=name, positions=" and ".join(positions)))
     if unread:
         return replace(channel, read=unreadable(unread), doubt="" if channel.no_height else unread)
     if positive_down:

@@ -125,8 +125,8 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     if empty_corner and len(units) == 3 < width and all(map(is_length, units)):  # FemtoScan: of x, y, z
         x, y, z = (Statement(unit, line=rows.filled[-1][0], text=above) for unit in units)
         by_meaning |= {"lateral_unit": [x, *[y] * same_length(x.value, y.value)], "height_unit": [z]}
-    elif not columns and (named := miscounted(above, width, dialect.delimiter)):
-        raise refusal("miscounted", text=above.strip()[:60], count=named, line=rows.lines[0], width=width)
+    elif not columns and (names := miscounted(above, width, dialect.delimiter)):
+        raise refusal("miscounted", text=above.strip()[:60], count=names, line=rows.lines[0], width=width)
     # "256 192" in one line counts both sides; counts in several lines may be of several things
     points = by_meaning.get("count", [])
     counts = counts or [count.value for count in points if count.line == points[0].line]
@@ -272,9 +272,8 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
     if wrong := _contradictions(text, steps, None, channel.shape):
         channel.doubt = f"{description}: {wrong}; correct the file, or {channel.scale_advice}"
     elif may_be_profiles and not {"length_y", "dy", "step", "ny"} & {*text.stated}:
-        profiles = f"of {counted_noun(nx - 1, 'profile')}, then name the columns in a line above them"
-        rows = f"of the rows of a map, then {channel.scale_advice}"
-        channel.doubt = f"the first of {nx} columns holds positions: {profiles} (x, z1, ...), or {rows}"
+        profiles, advice = counted_noun(nx - 1, "profile"), channel.scale_advice
+        channel.doubt = str(refusal("profiles or rows", count=nx, profiles=profiles, advice=advice))
     return file
 
 

@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from roughcontact.errors import InputFileError
+from roughcontact.study.dependencies import PACKAGE
 
-_PACKAGE = Path(__file__).resolve().parents[1]
 # of a wheel, and of a checkout
-_FOLDERS = (_PACKAGE / "_workflow/data_samples", _PACKAGE.parents[2] / "data_samples")
+_FOLDERS = (PACKAGE / "_workflow/data_samples", PACKAGE.parents[2] / "data_samples")
 _NO_SAMPLES = {".md", ".py"}  # what tells of the files, and the program that makes them
 
 
