@@ -21,9 +21,7 @@ from roughcontact.statistics.precision import relative_half_width
 
 _BINS = ("pressure_bin", "gap_bin", "patch_bin")
 _COORDINATES = (
-    "mean_pressure",
-    "profile_depth",
-    "interface_depth",
+    *("mean_pressure", "profile_depth", "interface_depth"),
     *(f"{bins}_{value}" for bins in _BINS for value in ("centre", "bounds")),
 )
 _LEADING = ("mean_pressure", "relative_pressure", AREA, f"{AREA}_pixels")
