@@ -1670,11 +1670,12 @@ class TestForm:
         assert options[:3] == ["default: Topography", "Topography forward", "Topography"]
 
     def test_a_study_of_unreadable_files_alone_is_not_run(self):
-        page, reason = Page(), "none of the files can be read as they are"
+        page, reason = Page(), "1 of 1 files cannot be read as they are"
         page.after(STUDY | {"rows.0.path": "measured/three.npy"})
         page.reader.inspected(page.rows)
         page.reader.pool.submit(int).result()  # all before it are read
         assert reason in page.html()
+        assert re.search('id="start"[^>]* aria-disabled=true', page.html())
         with pytest.raises(SettingsError, match="nothing is started"):
             page.after({"page.do": "start"})
         assert page.run.process is None
@@ -1682,6 +1683,7 @@ class TestForm:
         page.after({"rows.0.dx": "1 um", "rows.0.dy": "1 um", "rows.0.unit": "um"})
         page.reader.pool.submit(int).result()
         assert reason not in page.html()
+        assert not re.search('id="start"[^>]* aria-disabled', page.html())
 
     def test_columns_are_explained_by_columns_not_by_options(self, tmp_path):
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tmeasured/one.x3p\n")

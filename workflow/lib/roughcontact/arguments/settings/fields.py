@@ -57,6 +57,21 @@ def grouped(values: Mapping[str, Any]) -> dict[str, Any]:
     return {key: _normalise_lists(group) for key, group in groups.items()}
 
 
+def flattened(value: Any, name: str = "") -> dict[str, str]:
+    """Return settings that hold texts alone by dotted names; `grouped` is the way back.
+
+    Examples
+    --------
+    >>> flattened({"contact": {"bodies": [{"material": "steel"}], "unload": [], "force": "1 N"}})
+    {'contact.bodies.0.material': 'steel', 'contact.unload': '[]', 'contact.force': '1 N'}
+    """
+    if isinstance(value, str) or not value:
+        return {name: "[]" if value == [] else value or ""}
+    entries = value.items() if isinstance(value, Mapping) else enumerate(value)
+    groups = (flattened(entry, f"{name}.{key}" if name else str(key)) for key, entry in entries)
+    return {key: text for group in groups for key, text in group.items()}
+
+
 class _Group(dict[str, Any]):
     """A group of values by dotted names; other mappings are values."""
 

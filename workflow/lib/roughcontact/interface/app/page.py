@@ -63,7 +63,7 @@ class Page:
         if action == "cancel":
             self.run.cancel()
         if action == "start":
-            if self.mistakes():
+            if self.checked["mistakes"] or 0 < len(rows) == self.unread():
                 raise SettingsError("nothing is started: correct first what is listed under 4 Run")
             self.run.start()
         return self.html()
@@ -86,13 +86,10 @@ class Page:
             return [*rows, *returned]
         return [row | {study.TICKED: "on"} for row in rows] if action == "all" else rows
 
-    def mistakes(self) -> dict[str, list[str]]:
-        """Return what keeps the study from being run, by the names of its fields."""
-        readings = [reading for _, reading in self.reader.inspected(self.rows)]
-        if readings and all(reading["key"] and not reading["map"] for reading in readings):
-            text = "none of the files can be read as they are: state what each one needs, or choose others"
-            return {"files": [text]} | self.checked["mistakes"]
-        return self.checked["mistakes"]
+    def unread(self) -> int:
+        """Return the number of files that have been looked at and cannot be read as they are."""
+        inspections = [inspection for _, inspection in self.reader.inspected(self.rows)]
+        return sum(bool(inspection["key"]) and not inspection["map"] for inspection in inspections)
 
     def since(self, news: str) -> str:
         """Return the page, or nothing where it is as it was with such `news`."""
@@ -118,5 +115,5 @@ class Page:
     def filled(self, name: str, **variables: object) -> str:
         """Return one of the templates, with what all of them may need and variables of its own."""
         modules = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
-        values = modules | vars(self) | self.checked | {"mistakes": self.mistakes(), "folder": Path.cwd()}
+        values = modules | vars(self) | self.checked | {"unread": self.unread(), "folder": Path.cwd()}
         return template(f"{name}.html", folder=study.FOLDER).render(values | variables)

@@ -11,7 +11,7 @@ from typing import Any
 import yaml
 
 from roughcontact.arguments.named_materials import named_bodies
-from roughcontact.arguments.settings.fields import field_at, grouped, is_list, section_model
+from roughcontact.arguments.settings.fields import field_at, flattened, grouped, is_list, section_model
 from roughcontact.arguments.settings.models import Settings
 from roughcontact.errors import RoughContactError, SettingsError
 from roughcontact.io.guards import brief
@@ -71,25 +71,13 @@ def read_folder() -> tuple[dict[str, str], list[Row], str]:
         content = CONFIG.read_text(encoding="utf-8")
         job = match[1] if (match := _JOB.match(content)) else "area"
         values = yaml.safe_load(content)
-        texts = _texts(yaml.load(content, yaml.BaseLoader) | {"cases": ""})
+        texts = flattened(yaml.load(content, yaml.BaseLoader) | {"cases": ""})
         texts["cases"] = yaml.safe_dump(values["cases"], **_STYLE) if values.get("cases") else ""
     table = _table(values)
     header, rows = read_table(table) if table.is_file() else ([], [])
     named_cells = [zip(header, cells, strict=False) for _, cells in rows]
     # an empty cell asks for no field
     return texts, [{name: cell for name, cell in row if cell or name in REQUIRED} for row in named_cells], job
-
-
-def _texts(value: Any, name: str = "") -> dict[str, str]:
-    """Return settings as they are written, by dotted names; `grouped` is the way back."""
-    if isinstance(value, str) or not value:
-        return {name: "[]" if value == [] else value or ""}
-    entries = value.items() if isinstance(value, Mapping) else enumerate(value)
-    return {
-        key: text
-        for place, entry in entries
-        for key, text in _texts(entry, f"{name}.{place}" if name else str(place)).items()
-    }
 
 
 def error_in_words(error: Exception) -> str:
