@@ -25,8 +25,7 @@ from roughcontact.arguments.answers import (
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.interface.command_line import answers
 from roughcontact.report.glance import HEADINGS, LOAD, NOT_JUDGED, asked_columns, glance_rows, headings_of
-from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
-from roughcontact.report.groups import group_rows
+from roughcontact.report.groups import group_headings, group_rows
 from roughcontact.report.methods import methods_paragraph
 from roughcontact.report.panel import each_load
 from roughcontact.report.tables import number_tables
@@ -151,10 +150,10 @@ def test_all_numbers_have_the_same_digits(result):
 
 def test_a_group_of_one_map_has_the_cells_of_the_map(result):
     answer = rc.group_statistics([result])
-    (row,) = group_rows([NamedGroup("one", None, answer)])
+    (row,) = group_rows([NamedGroup("one", None, answer)], asked=COMPARED)
     loads = loads_of(result) if result.sizes["load"] <= 3 else None
     for cells, of_group in zip(glance_rows(result, indices=loads), row["rows"], strict=True):
-        grouped = dict(zip(GROUP_HEADINGS, of_group, strict=True))
+        grouped = dict(zip(group_headings(COMPARED).values(), of_group, strict=True))
         for name in COMPARED:
             assert grouped[TITLES[name]] == cells[name]._replace(outcome="")
 

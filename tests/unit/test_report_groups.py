@@ -12,7 +12,7 @@ from roughcontact.report.differences import _comparison, comparison_rows, differ
 from roughcontact.report.gather import comparisons, map_comparisons
 from roughcontact.report.glance import Cell
 from roughcontact.report.groups import (
-    HEADINGS,
+    group_headings,
     group_picture,
     group_rows,
     surfaces_in_words,
@@ -44,9 +44,10 @@ def named(name, factors, *, parts=None, placements=False, hardness=None):
 def test_a_group_has_its_interval_the_next_map_and_a_scatter_without_plus_minus():
     (row,) = group_rows([named("lapped", (0.9, 1.0, 1.1))])
     assert (row["name"], row["of"], row["remarks"]) == ("lapped", "3 maps", [])
-    cells = dict(zip(HEADINGS, row["rows"][0], strict=True))
-    assert cells[HEADINGS[0]] == Cell("1.00 MPa")
-    gap = cells[HEADINGS[5]]
+    headings = [*group_headings().values()]
+    cells = dict(zip(headings, row["rows"][0], strict=True))
+    assert cells[headings[0]] == Cell("1.00 MPa")
+    gap = cells["mean gap"]
     half = (
         4.302653 * np.std(np.log([0.9, 1.0, 1.1]), ddof=1) / np.sqrt(3)
     )  # t of 95 % for two degrees of freedom
@@ -58,7 +59,9 @@ def test_a_group_has_its_interval_the_next_map_and_a_scatter_without_plus_minus(
     assert float(cells["scatter s"].text.removesuffix(" %")) == pytest.approx(
         100 * areas.std(ddof=1) / areas.mean(), rel=0.01
     )
-    assert cells["conductance"] == Cell("–")
+    assert "conductance" not in cells  # nobody has asked for it
+    (asked,) = group_rows([named("lapped", (0.9, 1.0, 1.1))], asked=["conductance"])
+    assert asked["rows"][0][-1] == Cell("–")  # whose maps have none
 
 
 def test_a_group_says_the_verdicts_of_its_maps():
@@ -72,7 +75,7 @@ def test_two_maps_are_a_range_and_parts_have_a_scatter_of_their_own():
     pair, nested = group_rows(
         [named("two", (1.0, 1.2)), named("nested", (1.0, 1.1, 1.2, 1.3, 0.9, 0.8), parts=list("aabbcc"))]
     )
-    gap = pair["rows"][0][HEADINGS.index(HEADINGS[5])]
+    gap = pair["rows"][0][[*group_headings()].index("mean_gap")]
     assert gap.details == "range 2.00 to 2.40 µm"
     assert pair["rows"][0][2] == Cell("–")
     assert pair["remarks"][0].startswith("Two maps: a range")
@@ -142,8 +145,8 @@ def test_pressures_at_the_hardness_have_no_interval_and_no_difference():
         named(name, gaps, hardness=5.4e7)
         for name, gaps in (("lapped", (0.9, 1.0, 1.1)), ("ground", (1.9, 2.0, 2.1)))
     ]
-    lapped, ground = group_rows(limited)
-    peak = HEADINGS.index("largest pressure")
+    lapped, ground = group_rows(limited, asked=["max_pressure"])
+    peak = [*group_headings(["max_pressure"])].index("max_pressure")
     assert [cells[peak].details == "the hardness, taken as exact" for cells in ground["rows"]] == [True, True]
     assert [cells[peak].details == "the hardness, taken as exact" for cells in lapped["rows"]] == [
         False,

@@ -1,11 +1,11 @@
 """The groups of maps on the page: their answers at two or three loads and pictures, and those of several."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, AREA, ENDS, PEAK, TITLES
+from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, AREA, ENDS, PEAK, TITLES, USUAL
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import Unit, percent
 from roughcontact.arguments.variables import has_number
@@ -19,9 +19,11 @@ from roughcontact.uncertainty.group_tables import NamedGroup
 from roughcontact.uncertainty.groups import is_range
 from roughcontact.uncertainty.scales import from_scale, to_scale
 
-# the answers with an interval, the area first, with what a single map has not
-_FURTHER = {row.quantity: row.heading for name, row in ANSWERS.items() if row.quantity and name != AREA}
-HEADINGS = (TITLES["mean_pressure"], TITLES[AREA], "of the next map", "scatter s", *_FURTHER.values())
+_HEADINGS = {
+    **{name: TITLES[name] for name in ("mean_pressure", AREA)},
+    "next": "of the next map",
+    "scatter": "scatter s",
+}
 _IN_LINE = 3  # groups
 
 Key = tuple[str, str | None]  # surface and case
@@ -30,6 +32,20 @@ Key = tuple[str, str | None]  # surface and case
 def name_under(surface: str, *cases: str | None) -> str:
     """Return the name of a surface, under a case or several, on the page."""
     return " · ".join(filter(None, [str(surface), ", ".join(filter(None, cases))]))
+
+
+def group_headings(asked: Collection[str] = ()) -> dict[str, str]:
+    """Return the headings of the columns of groups: of the area, the usual numbers, and what is `asked`.
+
+    Examples
+    --------
+    >>> [*group_headings(["conductance", "sealing"]).values()][4:]
+    ['pressure in contact', 'mean gap', 'conductance']
+    """
+    names = {*USUAL, *asked} - {AREA}
+    return _HEADINGS | {
+        row.quantity: row.heading for name, row in ANSWERS.items() if row.quantity and name in names
+    }
 
 
 def answer_of_several(
@@ -56,10 +72,14 @@ def answer_of_several(
     return surfaces_in_words({name_under(*key): (data, last[key]) for key, data in series.items()})
 
 
-def group_rows(groups: Sequence[NamedGroup], verdicts: Mapping[Key, str] | None = None) -> list[Row]:
-    """Return for each group its `name`, what it is `of`, its `remarks`, and `rows` of cells by `HEADINGS`.
+def group_rows(
+    groups: Sequence[NamedGroup],
+    verdicts: Mapping[Key, str] | None = None,
+    asked: Collection[str] = (),
+) -> list[Row]:
+    """Return for each group its `name`, what it is `of`, its `remarks`, and `rows` of `group_cells`.
 
-    `verdicts` are those of the maps, by name and case, in words.
+    `verdicts` are those of the maps, by name and case, in words; `asked` is what these are asked for.
     """
     if not groups:
         return []
@@ -70,7 +90,7 @@ def group_rows(groups: Sequence[NamedGroup], verdicts: Mapping[Key, str] | None 
             "of": group.members.in_words(group.answer.sizes["map"], len({*group.answer["part"].values}))
             + _verdicts(group, verdicts or {}),
             "remarks": json_attribute(group.answer.attrs, "remarks"),
-            "rows": [group_cells(group.answer, of_group, index) for index in loads],
+            "rows": [group_cells(group.answer, of_group, index, asked) for index in loads],
         }
         for group, of_group, loads in zip(groups, units, _shown(groups), strict=True)
     ]
@@ -105,20 +125,21 @@ def _verdicts(group: NamedGroup, verdicts: Mapping[Key, str]) -> str:
     return f" ({text})" if text else ""
 
 
-def group_cells(answer: xr.Dataset, units: Mapping[str, Unit], index: int) -> list[Cell]:
-    """Return the cells of a group at a load."""
-    return [
-        Cell(units["mean_pressure"].text(float(answer["mean_pressure"][index]))),
-        _mean(answer, AREA, units, index),
-        Cell(_range(answer, AREA, "_next", units, index)),
-        _scatter(answer.isel(load=index)),
-        *(_mean(answer, name, units, index) if name in answer else Cell("–") for name in _FURTHER),
-    ]
+def group_cells(
+    answer: xr.Dataset, units: Mapping[str, Unit], index: int, asked: Collection[str] = ()
+) -> list[Cell]:
+    """Return the cells of a group at a load, by `group_headings`."""
+    cells = {
+        "mean_pressure": Cell(units["mean_pressure"].text(float(answer["mean_pressure"][index]))),
+        "next": Cell(_range(answer, AREA, "_next", units, index)),
+        "scatter": _scatter(answer.isel(load=index)),
+    }
+    return [cells.get(name) or _mean(answer, name, units, index) for name in group_headings(asked)]
 
 
 def _mean(answer: xr.Dataset, name: str, units: Mapping[str, Unit], index: int) -> Cell:
     """Return the mean of a group with its ±; with the range of its maps where these are two."""
-    if not np.isfinite(float(answer[name][index])):
+    if name not in answer or not np.isfinite(float(answer[name][index])):
         return Cell("–")
     if is_range(answer) and not (name == PEAK and hardness_reached(answer)[index]):
         text = units[name].text(float(answer[name][index]))

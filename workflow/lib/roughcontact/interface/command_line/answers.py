@@ -10,12 +10,12 @@ import xarray as xr
 from roughcontact.arguments.answers import AREA, TABLES
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.quantities import percent, quantity
+from roughcontact.arguments.variables import names_asked
 from roughcontact.interface.command_line.describe import labelled_line, points_in_words
 from roughcontact.report import facts, glance
 from roughcontact.report.asked import bodies_in_words
 from roughcontact.report.budget_plots import largest_parts, wider_intervals
-from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
-from roughcontact.report.groups import group_cells
+from roughcontact.report.groups import group_cells, group_headings
 from roughcontact.report.methods import interval_measurand
 from roughcontact.report.tables import creep_table, number_tables
 from roughcontact.uncertainty.groups import is_range
@@ -116,9 +116,9 @@ def group(result: Mapping[str, Any], answer: xr.Dataset | None) -> str:
     if answer is None:
         lines.append(labelled_line("no group", result["group"]["none"]))
     else:
-        (units,) = glance.glance_units([answer])
-        rows = [group_cells(answer, units, index) for index in range(answer.sizes["load"])]
-        lines += [*_table(GROUP_HEADINGS, rows), ""]
+        (units,), asked = glance.glance_units([answer]), names_asked(result["maps"][0]["loads"][0])
+        rows = [group_cells(answer, units, index, asked) for index in range(answer.sizes["load"])]
+        lines += [*_table([*group_headings(asked).values()], rows), ""]
         lines += [] if is_range(answer) else [labelled_line("intervals", _ABOUT_GROUPS)]
         lines += [labelled_line("remark", text) for text in result["group"]["remarks"]]
     for entry in result["maps"]:
