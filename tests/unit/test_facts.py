@@ -15,8 +15,6 @@ def numbers(**further):
     single = {
         "rms_height": 4e-7,
         "rms_gradient": 0.125,
-        "rms_curvature": 2.5e5,
-        "nayak_parameter": 7.5,
         "contact_modulus": 115e9,
         "Sal": 1.2e-5,
         "Str": 0.25,
@@ -95,8 +93,6 @@ def test_all_that_is_known_of_a_surface():
         "Sal, Str, lay": "12.0 µm, 0.250, 60° from x towards y",
         "rms height": "0.400 µm",
         "rms gradient g": "0.125",
-        "rms curvature": "250 mm⁻¹",
-        "Breadth of the spectrum (Nayak)": "7.50",
         "Points per shortest wave": "4.6",
         "First yield below the surface": "at 5.00 MPa mean pressure",
         "Gap closes": "along x between 5.00 MPa and 20.0 MPa; along y not up to 20.0 MPa",

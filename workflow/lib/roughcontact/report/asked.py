@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from roughcontact.arguments.materials import RIGID
-from roughcontact.arguments.quantities import number, percent, quantity
+from roughcontact.arguments.quantities import Unit, number, prefix, quantity
 from roughcontact.arguments.stacks import layers_in
 
 _OF_BODY = (("hardness", "hardness"), ("yield_stress", "yield stress"))
@@ -112,17 +112,17 @@ def _loads(contact: Mapping[str, Any]) -> str:
 
 def _stated_loads(contact: Mapping[str, Any]) -> Iterator[str]:
     """Yield each kind of loads that is given."""
-    if contact.get("force") and not contact.get("area"):
-        forces = ", ".join(quantity(force, "N") for force in contact["force"])
-        yield f"force {forces} on a body of finite size"
-    for key, text, show in (
-        ("mean_pressure", "mean pressure", lambda value: quantity(value, "Pa")),
-        ("relative_pressure", "relative pressure", number),
-        ("target_area", "contact area", percent),
-        ("target_gap", "mean gap", lambda value: quantity(value, "m")),
+    for key, text, unit in (
+        ("force", "force", "N"),
+        ("mean_pressure", "mean pressure", "Pa"),
+        ("relative_pressure", "relative pressure", ""),
+        ("target_area", "contact area", "%"),
+        ("target_gap", "mean gap", "m"),
     ):
-        if (values := contact.get(key)) is not None:
-            values = values if isinstance(values, Sequence) else [values]
-            yield f"{text} {', '.join(show(float(value)) for value in values)}"
+        if (values := contact.get(key)) is None or (key == "force" and contact.get("area")):
+            continue
+        values = [float(value) for value in (values if isinstance(values, Sequence) else [values])]
+        shown = Unit(100.0, "%") if unit == "%" else Unit(*prefix(max(values), unit))  # one for all
+        yield f"{text} {', '.join(map(shown.text, values))}{' on a body of finite size' * (key == 'force')}"
     if target := contact.get("target"):
         yield " and ".join(_TARGETS[result] for result in ([target] if isinstance(target, str) else target))

@@ -10,6 +10,7 @@ from roughcontact.arguments.answers import AREA, COMPARED, ENDS, TITLES, UNITS
 from roughcontact.arguments.quantities import prefix
 from roughcontact.arguments.variables import has_number
 from roughcontact.report.charts import Axis, Chart, curves_chart, log_axis
+from roughcontact.report.glance import asked_columns
 from roughcontact.report.units import is_unbounded, largest_source, stated_loads, unit_of
 
 _SOURCE_LABELS = {
@@ -110,7 +111,10 @@ def _note_on_open_ends(numbers: xr.Dataset) -> str:
 
 
 def wider_intervals(numbers: xr.Dataset) -> tuple[dict[str, str], dict[str, Any] | None]:
-    """Return the contact area beyond band and map, by what that is, and the table of all intervals."""
+    """Return the contact area beyond band and map, by what that is, and the table of all intervals.
+
+    Of a body of finite size, whose area is no share of a map, it is the largest pressure.
+    """
     if not numbers.sizes["load"] or f"{AREA}_next_lower" not in numbers:
         return {}, None
     measurands = [key for key in _BEYOND for end in ENDS[1:] if has_number(numbers, f"{AREA}_{key}{end}")]
@@ -126,9 +130,11 @@ def wider_intervals(numbers: xr.Dataset) -> tuple[dict[str, str], dict[str, Any]
             texts = [unit.ends(lower[index], upper[index]) for lower, upper in ends]
             rows.append([f"{TITLES[name]} at {load}", unit.text(float(solved[index])), *texts])
     header, lines = ["result", "as solved", *columns.values()], {}
+    shown = next((name for name in asked_columns([numbers]) if name in COMPARED), AREA)
+    of_shown = rows[COMPARED.index(shown) * len(loads) :]
     for column in range(3, 3 + len(beyond)):
-        areas = (f"{row[column]} at {load}" for row, load in zip(rows, loads, strict=False))
-        lines[header[column].capitalize()] = f"{TITLES[AREA]} {', '.join(areas)}"
+        texts = [f"{row[column]} at {load}" for row, load in zip(of_shown, loads, strict=False)]
+        lines[header[column].capitalize()] = f"{TITLES[shown]} {', '.join(texts)}"
     return lines, {"header": header, "rows": rows}
 
 

@@ -10,7 +10,7 @@ from roughcontact.arguments.answers import AREA, COMPARED, GAP, PEAK, TITLES
 from roughcontact.arguments.quantities import with_interval
 from roughcontact.report import glance
 from roughcontact.report.glance import Cell
-from roughcontact.report.units import hardness_reached, stated_loads, unit_of
+from roughcontact.report.units import common_pressure, hardness_reached, stated_loads, unit_of
 from roughcontact.statistics.decisions import CLOSED
 from roughcontact.statistics.load_pairs import paired_loads
 from roughcontact.uncertainty.differences import case_differences, case_pairs
@@ -58,38 +58,34 @@ def comparison_rows(
     return rows
 
 
-def case_rows(
-    cases: Mapping[str, xr.Dataset], *, surface: str = "", equal_loads: bool = False
-) -> tuple[list[Row], list[tuple[str, str, str]]]:
+def case_rows(cases: Mapping[str, xr.Dataset], *, surface: str = "", equal_loads: bool = False) -> list[Row]:
     """Return what one `surface` gives under every two of its cases, as of `comparison_rows`.
 
     The pairs of `case_pairs` are compared at their `paired_loads`, as stated where all cases ask for
-    `equal_loads`, without what both share (`case_differences`); those that share no load are returned, too.
+    `equal_loads`, without what both share (`case_differences`); a pair that shares no load has no `loads`.
 
     Examples
     --------
     >>> load = {"mean_pressure": ("load", [1e6]), "contact_modulus": 1e9, GAP: ("load", [1e-6])}
     >>> soft, hard = (xr.Dataset(load | {AREA: ("load", [area])}) for area in (0.2, 0.1))
-    >>> (row,), _ = case_rows({"soft": soft, "hard": hard})
+    >>> (row,) = case_rows({"soft": soft, "hard": hard})
     >>> row["second"], row["loads"], row["rows"][0]["quantity"], row["rows"][0]["cells"][0].text
     ('hard', ['1.00 MPa'], 'contact area', '0.500')
     """
-    rows, disjoint = [], []
+    rows = []
     for pair in case_pairs(list(cases)):
         both = [cases[name] for name in pair]
         partners = np.array(paired_loads(*both, as_stated=equal_loads))
-        if not partners.size:
-            disjoint.append((surface, *pair))
-            continue
         partners = partners[:, both[0]["mean_pressure"].values[partners[0]].argsort()]
         partners = partners[:, glance.shown_loads(both[0][AREA].values[partners[0]])]
         shared = [data.isel(load=indices) for data, indices in zip(both, partners, strict=True)]
-        texts = zip(*(stated_loads(data).texts for data in shared), strict=True)
-        at_loads = [[(data, index) for data in shared] for index in range(partners.shape[1])]
-        row = _ratios(*pair, case_differences(*shared), at_loads)
-        of_pair = {"surface": surface, "loads": [" / ".join(dict.fromkeys(text)) for text in texts]}
-        rows.append(row | of_pair)
-    return rows, disjoint
+        texts = [stated_loads(data, common_pressure(both)).texts for data in both]
+        row: Row = {"surface": surface, "loads": []}
+        for first, second in partners.T.tolist():
+            row["loads"].append(" / ".join(dict.fromkeys([texts[0][first], texts[1][second]])))
+        at_loads = [list(zip(both, indices, strict=True)) for indices in partners.T.tolist()]
+        rows.append(row | _ratios(*pair, case_differences(*shared), at_loads))
+    return rows
 
 
 def nearest_load(answer: xr.Dataset, load: float) -> int:

@@ -58,8 +58,6 @@ def surface_facts(
         "Window": _size(window),
         "Made periodic by": str(of_window.get("periodisation", "none")),
         "Sal, Str, lay": _texture(numbers),
-        "rms curvature": f"{number(float(numbers['rms_curvature']) * 1e-3)} mm⁻¹",
-        "Breadth of the spectrum (Nayak)": number(float(numbers["nayak_parameter"])),
         "Points per shortest wave": number(float(numbers["points_per_shortest_wavelength"][0]), digits=2),
         **dict(number_facts(numbers)),
         "Body of finite size": size_of_contact(numbers, -1),

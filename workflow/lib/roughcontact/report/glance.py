@@ -26,6 +26,7 @@ from roughcontact.arguments.quantities import Unit, number, percent, quantity
 from roughcontact.arguments.variables import Numbers, has_number, names_asked
 from roughcontact.report.allowed import allowed_in_words, fluid_in_words, stated_allowed
 from roughcontact.report.units import (
+    common_pressure,
     hardness_reached,
     interval_at,
     lacks_interval,
@@ -278,12 +279,13 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Mapping[str, Cell], *, a
 def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
     """Return for each surface the units in the table by name of the variable.
 
-    Lengths have that of all unless the rms heights differ more than `_COMMON_UNIT_RATIO` times.
+    Pressures have that of all, and lengths unless the rms heights differ over `_COMMON_UNIT_RATIO` times.
     """
     rms = [value for result in results if (value := float(result.get("rms_height", 0.0))) > 0]
     common = median_numbers(results) if not rms or max(rms) <= _COMMON_UNIT_RATIO * min(rms) else None
+    pressure = common_pressure(results)
     return [
-        {name: unit_of(result if unit == "Pa" else common or result, unit) for name, unit in UNITS.items()}
+        {name: pressure if unit == "Pa" else unit_of(common or result, unit) for name, unit in UNITS.items()}
         for result in results
     ]
 

@@ -13,7 +13,7 @@ from roughcontact.report import allowed, glance
 from roughcontact.report.differences import Load, Row, differences_in_words, nearest_load
 from roughcontact.report.glance import Cell
 from roughcontact.report.load_plots import compare_areas, line_style
-from roughcontact.report.units import hardness_reached, stated_loads, unit_of
+from roughcontact.report.units import common_pressure, hardness_reached, stated_loads
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 from roughcontact.uncertainty.groups import is_range
@@ -104,7 +104,7 @@ def _shown(groups: Sequence[NamedGroup]) -> list[list[int]]:
 
 def group_picture(groups: Sequence[NamedGroup]) -> tuple[str, str]:
     """Return (image, caption) of the groups and each of their maps at two or three loads."""
-    pressure = min((unit_of(group.answer, "Pa") for group in groups), key=lambda unit: unit.factor)
+    pressure = common_pressure(group.answer for group in groups)
     displayed = {
         group.label: group.answer.isel(load=loads)
         for group, loads in zip(groups, _shown(groups), strict=True)
@@ -245,12 +245,13 @@ def surfaces_in_words(results: Mapping[str, Load]) -> str:
     >>> surfaces_in_words({name: results["a"] for name in ("a", "d")})
     'At 1.00 MPa: contact area 30.0 % of all 2.'
     """
+    all_data = [data for data, _ in results.values()]
+    pressure = common_pressure(all_data)
     rising = sorted(results.values(), key=lambda at_load: float(at_load[0]["mean_pressure"][at_load[1]]))
-    texts = [stated_loads(data).texts[index] for data, index in rising]
+    texts = [stated_loads(data, pressure).texts[index] for data, index in rising]
     head = f"At {texts[0]}" if len({*texts}) == 1 else f"At {texts[0]} to {texts[-1]}, each at its own load"
     if sentences := holding_in_words(results):
         return f"{head} {'; '.join(sentences)}."
-    all_data = [data for data, _ in results.values()]
     columns = glance.asked_columns(all_data)
     if glance.HEADINGS[columns[0]] in glance.IN_WORDS:  # a yes or no: which surfaces it is of
         words = {}

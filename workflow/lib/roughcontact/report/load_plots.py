@@ -27,12 +27,6 @@ from roughcontact.surface.roughness.summits import summit_statistics
 
 _DASHES = ("", DASHED, DOTTED, DASH_DOTTED)  # of cases
 _SHOWN_BELOW = 0.1  # of the least area: an interval that ends below is drawn as far as the axis reaches
-# of a distribution: unit, quantity, share, and what is dotted
-_DISTRIBUTIONS = {
-    "pressure": ("Pa", "contact pressure p", "share of the contact", "mean over the contact"),
-    "gap": ("m", "gap u", "share of the open area", "mean out of contact"),
-    "patch": ("m2", "area of a patch", "share of the contact", "largest patch"),
-}
 
 
 def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Chart:
@@ -49,13 +43,18 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     areas = np.concatenate([estimate, _clipped_ends(bounds[0], estimate), theory.persson_area(relative)])
     chart = _area_chart(load, areas, label=label)
     if has_theories(statistics):
-        line = _theory_lines(chart, relative, unit=unit * pascals.factor)
+        line = np.geomspace(relative.min() / 1.5, relative.max() * 1.5, 100)
+        x, style = line * unit * pascals.factor, {"colour": GREY, "width": 1.3}
+        chart.line(x, 100 * theory.persson_area(line), dash=DASHED, label="Persson", **style)
+        chart.line(x, 100 * theory.xu_area(line), label="Xu et al.", **style)
+        low_load = 100 * theory.bush_gibson_thomas_area(line)
+        chart.line(x, low_load, dash=DOTTED, label="Bush et al., low load", **style)
         if window is not None:
             modulus, summits = float(statistics["contact_modulus"]), summit_statistics(window)
             area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
             if np.isfinite(area).any():
-                x, name = line * unit * pascals.factor, "Greenwood-Williamson"
-                chart.line(x, 100 * area, colour="#8a5a00", dash=DASH_DOTTED, width=1.3, label=name)
+                style |= {"colour": "#8a5a00", "dash": DASH_DOTTED, "label": "Greenwood-Williamson"}
+                chart.line(x, 100 * area, **style)
     chart.bars(load, *(100 * bound for bound in bounds), colour=COLOURS[0])
     pixels = 100 * statistics[f"{AREA}_pixels"].values
     chart.marks(load, pixels, colour=COLOURS[0], filled=False, label="solved, pixels counted")
@@ -108,18 +107,6 @@ def bars_in_words(numbers: xr.Dataset, *names: str) -> str:
     return f"Bars: the ±{'; an arrow: nothing bounds it upwards' * arrow}." if available else ""
 
 
-def _theory_lines(chart: Chart, loads: np.ndarray, unit: float = 1.0) -> np.ndarray:
-    """Draw the theories that depend on p' alone; return the p' at which they are drawn, an axis in `unit`."""
-    line = np.geomspace(loads.min() / 1.5, loads.max() * 1.5, 100)
-    for area, dash, label in (
-        (theory.persson_area(line), DASHED, "Persson"),
-        (theory.xu_area(line), "", "Xu et al."),
-        (theory.bush_gibson_thomas_area(line), DOTTED, "Bush et al., low load"),
-    ):
-        chart.line(line * unit, 100 * area, dash=dash, label=label, colour=GREY, width=1.3)
-    return line
-
-
 def _area_chart(loads: np.ndarray, areas: np.ndarray, *, label: str, **options: Any) -> Chart:
     """Return the log-log axes of area (percent) against load that hold these shares; `options` of `Chart`."""
     lowest = max(np.min(areas[areas > 0], initial=1.0) / 2, 1e-8)  # down to half of the smallest area
@@ -166,50 +153,23 @@ def _load_chart(
 def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart:
     """Draw the distribution of the contact pressure at the loads of these indices, contact points only.
 
-    The share of the contact per factor e of pressure, p P(p), so that equal areas are equal shares.
+    The share of the contact per factor e of pressure, p P(p), so that equal areas are equal shares; dotted
+    lines are the means over the contact.
     """
-    return _distribution(statistics, loads, "pressure", statistics["mean_contact_pressure"].values)
-
-
-def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart:
-    """Draw the distribution of the gap at the loads of these indices, points out of contact only."""
-    open_share, gap = 1 - statistics["relative_contact_area_pixels"].values, statistics["mean_gap"].values
-    # over the open area alone: contact has no gap
-    mean = np.divide(gap, open_share, out=np.full(gap.shape, np.nan), where=open_share > 0)
-    return _distribution(statistics, loads, "gap", mean)
-
-
-def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> Chart:
-    """Draw the distribution of the contact over the areas of its patches, at the loads of these indices.
-
-    The share of the contact per factor e of the area a of a patch, a² P(a)/⟨a⟩, pixels counted.
-    """
-    bounds = statistics["patch_bin_bounds"].values
-    # the first bin begins at zero: half of its end stands for its middle
-    middles = np.sqrt(np.maximum(bounds[:, 0], bounds[:, 1] / 2) * bounds[:, 1])
-    by_area = statistics["patch_area_density"].transpose("load", "patch_bin") * middles
-    share = by_area / (by_area * np.diff(bounds, axis=1).ravel()).sum("patch_bin")
-    largest = statistics["largest_patch_area"].values
-    return _distribution(statistics.assign(patch_density=share), loads, "patch", largest)
-
-
-def _distribution(statistics: xr.Dataset, loads: Sequence[int], name: str, line_values: np.ndarray) -> Chart:
-    """Draw shares per factor e over a logarithmic axis at a few loads, lines at the values `line_values`."""
-    unit, quantity, share, dotted_label = _DISTRIBUTIONS[name]
-    bounds = statistics[f"{name}_bin_bounds"].values
-    shares = statistics[f"{name}_density"].fillna(0.0).values * np.diff(bounds, axis=1).ravel()
+    bounds, (factor, symbol) = statistics["pressure_bin_bounds"].values, unit_of(statistics, "Pa")
+    shares = statistics["pressure_density"].fillna(0.0).values * np.diff(bounds, axis=1).ravel()
     widths = np.log(bounds[1:, 1] / bounds[1:, 0])
     carrying = np.nonzero((shares[loads, 1:] > 1e-4).any(axis=0))[0]
     lowest, last = (carrying[0], carrying[-1]) if carrying.size else (0, len(widths) - 1)
     low, high = bounds[1 + lowest, 0], bounds[1 + last, 1]
-    factor, unit_label = unit_of(statistics, unit)
     highest = 1.05 * float((shares[loads, 1:] / widths).max()) or 1.0
-    x = Axis(f"{quantity} ({unit_label})", low * factor, high * factor * 1.15, log=True)
-    chart = Chart(x, Axis(f"{share} per factor e", 0.0, highest))
+    x = Axis(f"contact pressure p ({symbol})", low * factor, high * factor * 1.15, log=True)
+    chart = Chart(x, Axis("share of the contact per factor e", 0.0, highest))
     for index, load in enumerate(loads):
         edges = np.repeat(np.append(bounds[1:, 0], bounds[-1, 1]) * factor, 2)
         steps = np.concatenate([[0.0], np.repeat(shares[load, 1:] / widths, 2), [0.0]])
         chart.line(edges, steps, colour=COLOURS[index], label=stated_loads(statistics).texts[load])
-        text = dotted_label if load == loads[-1] else ""
-        chart.across(x=float(line_values[load]) * factor, colour=COLOURS[index], dash=DOTTED, label=text)
+        mean = float(statistics[PRESSURE][load]) * factor
+        text = "mean over the contact" if load == loads[-1] else ""
+        chart.across(x=mean, colour=COLOURS[index], dash=DOTTED, label=text)
     return chart

@@ -4,8 +4,8 @@ import base64
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -21,7 +21,7 @@ from roughcontact.report.groups import Key, name_under
 from roughcontact.report.load_plots import compare_areas, line_style
 from roughcontact.report.summary import from_page, read_summary
 from roughcontact.report.template import template
-from roughcontact.report.units import unit_of
+from roughcontact.report.units import common_pressure
 from roughcontact.results.collect import Entry, Failure, file_of, solved_results
 from roughcontact.results.storage import write_text
 from roughcontact.statistics.decisions import OPEN_BELOW, OPEN_PARTS
@@ -109,9 +109,8 @@ def write_report(
     compared = shown_comparisons(compared or {}, answers)
     differences = comparison_rows(compared, groups, maps)
     several = group_section.answer_of_several(groups, differences, series, last)
-    cases = [
-        case_rows(of_cases, surface=name, equal_loads=equal_loads) for name, of_cases in by_surface.items()
-    ]
+    of_cases = [case_rows(of, surface=name, equal_loads=equal_loads) for name, of in by_surface.items()]
+    cases = [*chain(*of_cases)]
     verdicts = {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}
     head = {
         "title": title,
@@ -125,8 +124,7 @@ def write_report(
         "asked_of_run": describe_problem(settings, changed),
     }
     if has_index:
-        _write_pages(folder / "pages", rows, failure_rows, dict(zip(by_surface, cases, strict=True)), head)
-        cases = []
+        _write_pages(folder / "pages", rows, failure_rows, cases, head)
     html = template("report.html").render(
         head,
         rows=rows,
@@ -140,7 +138,7 @@ def write_report(
         are_shared=bool(shared),
         # of so many that an index stands for them, lines over one another tell nothing; groups have their own
         comparison=None if has_index else _comparison(ungrouped, styles),
-        cases=[of_surface for of_surface in cases if any(of_surface)],
+        cases=[] if has_index else cases,
         courses=[row["courses"] for row in rows],
         parts=[] if has_index else _parts(rows, folder),
         failures=failure_rows,
@@ -159,9 +157,9 @@ def write_report(
 
 
 def _write_pages(
-    folder: Path, rows: Sequence[Row], failures: Sequence[Row], cases: Mapping[str, Any], head: Row
+    folder: Path, rows: Sequence[Row], failures: Sequence[Row], cases: Sequence[Row], head: Row
 ) -> None:
-    """Write the page of each surface, with its table of `cases` and the same `head`."""
+    """Write the page of each surface, with its rows of `cases` and the same `head`."""
     names = list(dict.fromkeys(row["surface"] for row in rows))
     for previous, name, following in zip([None, *names], names, [*names[1:], None], strict=False):
         rows_of_surface = [row for row in rows if row["surface"] == name]
@@ -171,7 +169,7 @@ def _write_pages(
             name=name,
             before=previous,
             after=following,
-            cases=[cases[name]] if any(cases[name]) else [],
+            cases=[pair for pair in cases if pair["surface"] == name],
             rows=rows_of_surface,
             failures=[failure for failure in failures if failure["surface"] == name],
             parts=_parts(rows_of_surface, folder),
@@ -195,13 +193,10 @@ def _comparison(series: Mapping[Key, xr.Dataset], styles: Mapping[Key, Row]) -> 
     # the panel of a single surface has the same
     if len(rough) < 2:
         return None
-    # that of the stiffest, where the cases differ in it
-    pressure = min((unit_of(data, "Pa") for data in rough.values()), key=lambda unit: unit.factor)
     caption = "Bars: the ±." if all(f"{AREA}_lower" in data for data in rough.values()) else ""
+    looks = {name_under(*key): styles[key] for key in rough}
     by_name = {name_under(*key): data for key, data in rough.items()}
-    return compare_areas(
-        by_name, {name_under(*key): styles[key] for key in rough}, pressure=pressure
-    ), caption
+    return compare_areas(by_name, looks, pressure=common_pressure(rough.values())), caption
 
 
 def _series(statistics: xr.Dataset) -> dict[Key, xr.Dataset]:

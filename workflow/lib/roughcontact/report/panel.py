@@ -237,10 +237,7 @@ def _charts(numbers: xr.Dataset, window: xr.DataArray, indices: Sequence[int]) -
         "area": load_plots.area_against_load(numbers, window),
         "pressure": load_plots.pressure_against_load(numbers),
         "pressures": load_plots.pressure_distribution(numbers, indices),
-        "gaps": load_plots.gap_distribution(numbers, indices),
     }
     if "contact_radius" not in numbers:  # the mean gap of a body of finite size is that of its form
         charts["gap"] = load_plots.gap_against_load(numbers)
-    if dimensions(window.shape) == 2:  # the patches of a profile have no area
-        charts["patches"] = load_plots.patch_distribution(numbers, indices)
     return {name: chart.source() for name, chart in charts.items()}

@@ -3,7 +3,7 @@
 They follow from material, roughness and window of a surface, of several of the one in the middle.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -74,6 +74,18 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str, limit: float |
     raise ValueError(f"no unit of the report is known for {unit}")
 
 
+def common_pressure(results: Iterable[xr.Dataset]) -> Unit:
+    """Return the unit of all pressures of several surfaces in one table or sentence: that of the stiffest.
+
+    Examples
+    --------
+    >>> common_pressure([xr.Dataset({"contact_modulus": modulus}) for modulus in (5e6, 1e9)]).symbol
+    'MPa'
+    """
+    units = (unit_of(data, "Pa") for data in results)
+    return min(units, key=lambda unit: unit.factor, default=Unit(1e-6, "MPa"))
+
+
 class Loads(NamedTuple):
     """The loads of a surface as the page shows them: their name, values in the unit of the axis, texts."""
 
@@ -83,8 +95,10 @@ class Loads(NamedTuple):
     texts: list[str]
 
 
-def stated_loads(numbers: Numbers) -> Loads:
+def stated_loads(numbers: Numbers, pressure: Unit | None = None) -> Loads:
     """Return the loads of a surface: mean pressures, or the forces on a body of finite size.
+
+    The unit of a `pressure` is that of the surface unless it is given.
 
     Examples
     --------
@@ -94,7 +108,8 @@ def stated_loads(numbers: Numbers) -> Loads:
     """
     kind = facts_of_numbers(numbers)
     loads = np.asarray(numbers[kind.load], float)
-    unit = unit_of(numbers, "Pa") if kind.load_unit == "Pa" else Unit(*prefix(loads.max(), kind.load_unit))
+    unit = pressure or unit_of(numbers, "Pa")
+    unit = unit if kind.load_unit == "Pa" else Unit(*prefix(loads.max(), kind.load_unit))
     texts = [unit.text(load) for load in loads.tolist()]
     if kind.load_unit != "Pa":  # forces of any size: each has a prefix of its own
         texts = [quantity(load, kind.load_unit) for load in loads.tolist()]
