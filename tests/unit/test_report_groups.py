@@ -170,8 +170,7 @@ def test_surfaces_whose_area_is_unknown_at_the_load_have_no_line():
 
 def test_pictures_show_every_map():
     groups = [named("lapped", (0.9, 1.0, 1.1)), named("ground", (1.9, 2.0, 2.1))]
-    values, _ = group_picture(groups)
-    marks = values.count("scale(3.4)")
+    marks = group_picture(groups).count("scale(3.4)")
     assert marks == 2 * (3 * 2 + 2) + 2  # of two groups three maps and a mean at two loads, and the legend
 
 

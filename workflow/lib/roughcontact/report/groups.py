@@ -102,19 +102,14 @@ def _shown(groups: Sequence[NamedGroup]) -> list[list[int]]:
     return glance.shared_loads(answers) or [glance.shown_loads(answer[AREA].values) for answer in answers]
 
 
-def group_picture(groups: Sequence[NamedGroup]) -> tuple[str, str]:
-    """Return (image, caption) of the groups and each of their maps at two or three loads."""
-    pressure = common_pressure(group.answer for group in groups)
+def group_picture(groups: Sequence[NamedGroup]) -> str:
+    """Return the image of the groups and each of their maps at two or three loads."""
+    loads = _shown(groups)
     displayed = {
-        group.label: group.answer.isel(load=loads)
-        for group, loads in zip(groups, _shown(groups), strict=True)
+        group.label: group.answer.isel(load=shown) for group, shown in zip(groups, loads, strict=True)
     }
     styles = {label: line_style(index) for index, label in enumerate(displayed)}
-    caption = (
-        "Open marks: each map. Filled: the group, with the 95 % interval of its mean (of a pair of faces: of "
-        "the next placement; without one, their range). Groups stand beside one another at each load."
-    )
-    return compare_areas(displayed, styles, pressure=pressure), caption
+    return compare_areas(displayed, styles, pressure=common_pressure(displayed.values()))
 
 
 def _verdicts(group: NamedGroup, verdicts: Mapping[Key, str]) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact import __version__
-from roughcontact.arguments.answers import ANSWERS, AREA
+from roughcontact.arguments.answers import ANSWERS
 from roughcontact.report import ONE_PAGE, glance
 from roughcontact.report import groups as group_section
 from roughcontact.report.asked import describe_problem, measured_in_words, same_loads
@@ -128,7 +128,7 @@ def write_report(
     html = template("report.html").render(
         head,
         rows=rows,
-        download="" if has_index else _as_download(summary),
+        download="" if has_index else base64.b64encode(summary.encode()).decode(),
         linked=linked,
         counts=Counter(row["verdict"] for row in rows),
         many=has_index,
@@ -137,7 +137,7 @@ def write_report(
         cases_of_run=[*filter(None, cases_of_run)],
         are_shared=bool(shared),
         # of so many that an index stands for them, lines over one another tell nothing; groups have their own
-        comparison=None if has_index else _comparison(ungrouped, styles),
+        comparison="" if has_index else _comparison(ungrouped, styles),
         cases=[] if has_index else cases,
         courses=[row["courses"] for row in rows],
         parts=[] if has_index else _parts(rows, folder),
@@ -182,21 +182,14 @@ def _parts(rows: Sequence[Row], folder: Path) -> list[str]:
     return [from_page(row["panel"].read_text(encoding="utf-8"), row["panel"], folder) for row in rows]
 
 
-def _as_download(text: str) -> str:
-    """Return a table as a data URI, so that the page offers it as a download without another file."""
-    return "data:text/csv;charset=utf-8;base64," + base64.b64encode(text.encode()).decode()
-
-
-def _comparison(series: Mapping[Key, xr.Dataset], styles: Mapping[Key, Row]) -> tuple[str, str] | None:
-    """Return (image, caption) of area against load of the rough ones of several surfaces; None for one."""
+def _comparison(series: Mapping[Key, xr.Dataset], styles: Mapping[Key, Row]) -> str:
+    """Return the image of area against load of the rough ones of several surfaces; empty for one."""
     rough = {key: data for key, data in series.items() if np.isfinite(data["relative_pressure"]).all()}
-    # the panel of a single surface has the same
-    if len(rough) < 2:
-        return None
-    caption = "Bars: the ±." if all(f"{AREA}_lower" in data for data in rough.values()) else ""
+    if len(rough) < 2:  # the panel of a single surface has the same
+        return ""
     looks = {name_under(*key): styles[key] for key in rough}
     by_name = {name_under(*key): data for key, data in rough.items()}
-    return compare_areas(by_name, looks, pressure=common_pressure(rough.values())), caption
+    return compare_areas(by_name, looks, pressure=common_pressure(rough.values()))
 
 
 def _series(statistics: xr.Dataset) -> dict[Key, xr.Dataset]:
