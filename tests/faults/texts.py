@@ -37,6 +37,7 @@ CODES = {
 }
 MARKS = ["NaN", "nan", "---", "***", "BAD", "#N/A", "NA", "n/a", "1.70141e+38", "-", "1.#QNAN", "Masked"]
 MARKS += ["9.91E+37", "No data", "out of range"]
+UNSTATED = ["-9999", "1e30", "32767", "-32768", "0", "99999.9", "lowest"]  # numbers that nothing declares
 FIXED, SIGNED, SCIENTIFIC, LARGE = "{:.%df}", "{:+.%df}", "{:.%de}", "{:.%dE}"
 
 
@@ -148,13 +149,16 @@ class Writer:
                 [f"{float(text):,.{digits}f}".replace(",", self.thousands) for text in row] for row in texts
             ]
         self.cells = [[text.replace(".", self.decimal) for text in row] for row in texts]
+        row, column = np.unravel_index(self.heights.argmin(), shape)
+        lowest = self.cells[row][column]
         if self.marks and shape[0] <= min(row for row, _, _ in self.marks):
             self.word = ""  # no point is marked
         for row, column, mark in self.marks:
             if row < shape[0]:
                 columns = range(shape[1]) if column is None else [column]
                 for column_index in columns:
-                    self.cells[row][column_index], self.heights[row, column_index] = mark, np.nan
+                    self.cells[row][column_index] = lowest if mark == "lowest" else mark
+                    self.heights[row, column_index] = np.nan
 
     def fields(self) -> dict[str, Any]:
         """Return what phrases may name."""
@@ -174,6 +178,7 @@ class Writer:
             "high": np.nanmax(self.heights),
         }
         fields = {"nx": nx, "ny": ny, "n": nx * ny, "U": self.lateral, "Z": self.height}
+        fields["c"] = self.number(0.1)  # of a count, nm
         for name, value in lengths.items():
             fields[name] = Length(value)
             fields[name].writer = self
@@ -205,8 +210,8 @@ class Writer:
         x, y = self.places()
         cells = self.cells
         ny, nx = len(cells), len(cells[0])
-        if name == "matrix":
-            return cells, True
+        if name in ("matrix", "columns"):
+            return ((cells, True), ([*map(list, zip(*cells, strict=True))], False))[name == "columns"]
         if name == "other":
             return [
                 [self.number(round(float(value), 3)) for value in row]
@@ -301,18 +306,16 @@ def marked(write: Writer, rows: tuple[int, int, int] = (2, 7, 5)) -> str:
     choose = write.choose
     if choose.random() > 0.25:
         return ""
-    mark = choose.choice([*MARKS, "-9999", "-9999 declared", *([""] if write.separator.strip(" ") else [])])
+    blank = [""] if write.separator.strip(" ") and not write.thousands else []
+    mark = choose.choice([*MARKS, *2 * UNSTATED, "-9999 declared", "-9999 declared", *blank])
     value = mark.removesuffix(" declared")
     row_a, row_b, third = rows
     is_whole_row = third and choose.random() < 0.2
     write.marks = [(row_a, 3, value), (row_b, 5, value), (third, None if is_whole_row else 1, value)]
-    if mark == "-9999":
+    if mark in UNSTATED:  # of as many points as nobody takes for chance
+        write.marks += [(row_b, column, value) for column in (0, 2, 6, 7, 8)]
         write.word = "-9999|−9999|missing|far from|lowest|span"
-    return (
-        choose.choice(["Missing value: {}", "NODATA_value {}", "Fill value: {}"]).format(value)
-        if " " in mark
-        else ""
-    )
+    return choose.choice(PHRASES["missing", write.language]) if " " in mark else ""
 
 
 def dressed(write: Writer, rows: list[list[str]], *, names: int = 0) -> list[str]:
@@ -549,6 +552,7 @@ def trap(write: Writer) -> Text:
         [
             "sign",
             "factor",
+            "counts",
             "swapped steps",
             "swapped sizes",
             "length and width",
@@ -558,21 +562,21 @@ def trap(write: Writer) -> Text:
         ]
     )
     write.units(choose.choice(["um", "µm", "mm"]), choose.choice(["nm", "um"]))
-    write.counts = kind == "factor"
+    write.counts = kind in ("factor", "counts")
     write.dy = write.dx if kind in ("size of the whole map", "binning") else 1.5 * write.dx
     write.surface(write.shape)
-    write.language = "English"
-    lines = write.phrase(kind, PATTERNS[kind]).split(" ¬ ")
+    write.language = write.language if kind == "counts" else "English"
+    lines = write.phrase(kind, PATTERNS.get(kind)).split(" ¬ ")
     if kind == "binning" and "Binning" in lines[-1]:
         write.dx = write.dy = write.dx / 2
         write.word = "[Bb]inn"
     if kind == "sign":
         write.word = "(?i)" + PATTERNS[kind]
-    if kind in ("sign", "factor"):
+    if kind in ("sign", "factor", "counts"):
         lines += choose.choice(
             [[write.phrase("dx"), write.phrase("dy")], [write.phrase("width"), write.phrase("height")]]
         )
-    if kind != "factor":
+    if not write.counts:
         lines.append(write.phrase("z"))
     if choose.random() < 0.5 and not lines[0].startswith("["):
         choose.shuffle(lines)
@@ -581,7 +585,7 @@ def trap(write: Writer) -> Text:
     return write.text(
         f"trap: {kind}",
         lines,
-        full=kind.startswith("swapped"),
+        full=kind.startswith(("swapped", "counts")),
         top=True,
         code=choose.choice(["utf-8", "utf-8-sig"]),
     )

@@ -149,15 +149,15 @@ def test_a_number_of_zero_is_asked_where_several_points_have_that_height(read, r
     refused(f"{STEPS}Z unit: nm\nMissing points: 0\n{cells(table)}", "there are 2 points with that height")
 
 
-@pytest.mark.parametrize(
-    "line", ["Invalid data are set to 9000", "points without signal are 9000", "9000 se pone en los huecos"]
-)
-def test_a_number_of_the_header_that_many_points_have_is_asked_in_any_words(read, refused, line):
+@pytest.mark.parametrize("line", ["Invalid data are set to 9000", "points without signal are 9000"])
+def test_a_conspicuous_number_of_invalid_points_is_their_marker_in_any_words(read, refused, line):
     table = ONE.copy()
     table[2:5, 3] = 9000
     text = f"{STEPS}Z unit: nm\n{line}\n{cells(table)}"
-    refused(text, f"line 4 says '{line}', and there are 3 points with that height: give missing_value")
-    is_right(read(text, missing_value=9000), np.where(table == 9000, np.nan, table)[::-1])
+    is_right(read(text), np.where(table == 9000, np.nan, table)[::-1])
+    assert f"line 4 says '{line}': 3 points with that height are missing" in warnings_of(read(text))
+    # without a word of missing points it is asked
+    refused(text.replace(line, "9000 se pone en los huecos"), "there are 3 points with that height: give mis")
     counts = cells(np.round(ONE))  # whole numbers agree with any other by chance
     read(f"{STEPS}Z unit: nm\nOperator 2\n{counts}")
 

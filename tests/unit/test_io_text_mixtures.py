@@ -106,7 +106,7 @@ REFUSED = [
     ("Profil 1;Profil 2\n" + columns(X, *ONE[:2]), "'Profil 1;Profil 2' names 2 columns", GIVEN),
     (columns(X, *ONE[:3]), r"first of 4 columns holds positions: of 3 profiles.*or .* a map", NM),
     ("dx: 0.5 µm\n" + columns(X, *ONE[:3]), "holds positions: of 3 profiles", NM),
-    ("n/d\t" * 9 + "n/d\n" + ROWS, WORDS_IN_ROW.format("n/d"), GIVEN),
+    ("n/b\t" * 9 + "n/b\n" + ROWS, WORDS_IN_ROW.format("n/b"), GIVEN),
     ("Foo\t" * 9 + "Foo\n" + ROWS, WORDS_IN_ROW.format("Foo"), GIVEN),
     (f"Z unit: nm\nValue units: µm\n{ROWS}", "line 1 says .*, line 2 says .*correct one", GIVEN),
     (f"Z unit: µm\nHeight (nm)\n{ROWS}", "'Z unit: µm', line 2 says 'Height .nm.': they do not agree", GIVEN),

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from roughcontact.arguments.checking import MAX_GRADIENT
 from roughcontact.arguments.quantities import number, percent, quantity
@@ -14,6 +15,7 @@ _MAX_PIXEL_RATIO = 4.04  # ratio of the steps above which a slip is more likely 
 _FLATTEST = 1e-8  # rms gradient below that of polished optics
 _PLATEAU = 0.005  # share of the points at one height
 _FEW_LEVELS = 64
+_NEIGHBOURS = 40  # levels on either side of one that tell how many points chance brings there
 _SINGLE = (5e-8, 1.3e-7)  # smallest and largest step of single precision over the number
 _CENTRAL_QUANTILES = (0.005, 0.995)  # quantiles that enclose nearly all heights
 
@@ -98,6 +100,25 @@ def quantisation_step(height: np.ndarray) -> float | None:
     return float(step) if step >= 2 * rounding and np.mean(drift < 0.1) >= 0.9 else None
 
 
+def frequent_levels(heights: np.ndarray, *, least: int = 4) -> list[tuple[float, float]]:
+    """Return the levels with far more of the heights than chance brings there, and their shares.
+
+    They have `least` points and more, and three times as many as each of the forty levels on either side.
+
+    Examples
+    --------
+    >>> frequent_levels(np.append(np.arange(0.5, 90.0), [7.0] * 10))
+    [(7.0, 0.1)]
+    """
+    sample = _sample(heights)
+    levels, counts = np.unique(sample, return_counts=True)
+    padded = np.pad(counts, _NEIGHBOURS, constant_values=1)
+    highest = sliding_window_view(padded, _NEIGHBOURS).max(axis=1)
+    around = np.maximum(highest[: counts.size], highest[_NEIGHBOURS + 1 :])
+    is_frequent = (counts >= np.maximum(3 * around, least)) & (counts > _PLATEAU * sample.size)
+    return [*zip(levels[is_frequent].tolist(), (counts[is_frequent] / sample.size).tolist(), strict=True)]
+
+
 def _sample(heights: np.ndarray) -> np.ndarray:
     """Return about `_SAMPLE` of the heights, evenly taken."""
     return heights[:: max(1, heights.size // _SAMPLE)]
@@ -168,26 +189,23 @@ def _extremes(heights: np.ndarray, low: float, high: float) -> Iterator[str]:
 
 def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) -> Iterator[str]:
     """Suspect few levels that are no multiples of a step, and plateaus; of a step the statistics judge."""
-    if heights.size < 100:
-        return
-    levels, counts = np.unique(_sample(heights), return_counts=True)
-    if levels.size < _FEW_LEVELS:
-        if quantisation_step(height) is None:
-            yield f"only {levels.size} different heights occur, at odd distances"
-        return
-    for value, name in ((low, "lowest"), (high, "highest")):
+    levels = np.unique(_sample(heights))
+    is_large = heights.size >= 100
+    has_many = is_large and levels.size >= _FEW_LEVELS
+    if is_large and not has_many and quantisation_step(height) is None:
+        yield f"only {levels.size} different heights occur, at odd distances"
+    if not has_many and 2 * levels.size < heights.size:
+        return  # what chance brings to few levels is not known
+    for value, name in ((low, "lowest"), (high, "highest")) if has_many else ():
         count = np.count_nonzero(heights == value)
         share = count / heights.size
         if count > 1 and share > _PLATEAU:  # one point is always at the extreme
             finding = f"exactly the {name} height ({quantity(value, 'm')})"
             cause = f"the instrument was saturated there, or this marks missing points ({_MARKER_ADVICE})"
             yield f"{percent(share)} of the points have {finding}: {cause}"
-    # a level inside the range that is far more frequent than its neighbours
-    mode = int(np.argmax(counts))
-    neighbours = np.delete(counts[max(mode - 10, 0) : mode + 11], min(mode, 10))
-    share = counts[mode] / counts.sum()
-    if 0 < mode < levels.size - 1 and share > _PLATEAU and counts[mode] > 10 * max(int(neighbours.max()), 1):
-        finding = f"exactly the height {quantity(levels[mode], 'm')}, far more than any other"
+    others = [each for each in frequent_levels(heights) if not has_many or low < each[0] < high]
+    for level, share in sorted(others, key=lambda each: each[1])[-1:]:
+        finding = f"exactly the height {quantity(level, 'm')}, far more than any other"
         cause = f"a plateau that was filled in, or a marker for missing points ({_MARKER_ADVICE})"
         yield f"{percent(share)} of the points have {finding}: {cause}"
 

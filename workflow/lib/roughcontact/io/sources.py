@@ -16,6 +16,7 @@ from roughcontact.arguments.checking import marker_values
 from roughcontact.arguments.quantities import counted_noun, quantity
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile
+from roughcontact.io.plausibility import frequent_levels
 from roughcontact.io.request import Request
 from roughcontact.io.text.header import LONGEST_QUOTE, NUMBER, SLACK, WIDEST_SLACK, number_and_rounding
 from roughcontact.io.units import is_length, metres
@@ -40,8 +41,6 @@ _ALONE = re.compile(rf"(?<![^\s:=;,])(?>{_PLAIN.pattern})(?=[\s;,).]|$)(?!\s*([^
 _TOLERANCE = re.compile(r"(?:\+/-|±)\s*[\d.,]+\s*\w*")
 _COUNTS = re.compile(r"(?<![\d.,])(\d+)\s*[x×*]\s*(\d+)(?![.,]?\d|\s*(?!point|pixel)[^\W\d_])")
 _COUNT = re.compile(r"[:=\s]\s*(\d{1,9})\W*$")
-_SAMPLE = 2**18  # heights among which the most frequent ones are looked for
-_FREQUENT = 0.005  # share of the points at one height, as of a marker
 _MAX_QUOTED = 3  # lines in a question
 # what a line may concern -> the keys that it asks for, and the sentence; of several the first counts
 _DOUBTS = {matter: (keys.split(), sentence) for matter, keys, sentence in rows_of("doubts.tsv")}
@@ -146,23 +145,32 @@ def _number_alone(text: str) -> float:
     return float(last)
 
 
-def _conspicuous(heights: np.ndarray) -> set[float]:
+def marker_of(text: str) -> float:
+    """Return the number in a line that says which one marks missing points; NaN for any other line.
+
+    Examples
+    --------
+    >>> [marker_of(text) for text in ("Fehlstellen: -999", "Invalid if below -5", "Bad: 3 nm")]
+    [-999.0, nan, nan]
+    """
+    matters = _matters(text)
+    return _number_alone(text) if "marker" in matters and not matters & {"limit", "elsewhere"} else math.nan
+
+
+def conspicuous(heights: np.ndarray) -> set[float]:
     """Return heights as of a marker: of many more points than chance brings there, or far from all others.
 
     Examples
     --------
-    >>> sorted(_conspicuous(np.append(np.arange(0.5, 100.0), [7.0, 7.0, 7.0, -999.0])))
+    >>> sorted(conspicuous(np.append(np.arange(0.5, 100.0), [7.0, 7.0, 7.0, -999.0])))
     [-999.0, 7.0]
     """
     if not heights.size:
         return set()
-    sample = heights[:: max(1, heights.size // _SAMPLE)]
-    levels, counts = np.unique(sample, return_counts=True)
-    is_whole = not np.any(heights % 1)  # such numbers agree with any other by chance
-    frequent = set() if is_whole else {*levels[counts > max(2.0, _FREQUENT * sample.size)].tolist()}
-    ends = (heights.min(), heights.max())
-    inner = levels[(levels > ends[0]) & (levels < ends[1])]
+    levels = np.unique(heights)
+    ends, inner = (levels[0], levels[-1]), levels[1:-1]
     gaps = ((float(end), np.min(np.abs(inner - end))) for end in ends if inner.size > 1)
+    frequent = {level for level, _ in frequent_levels(heights, least=3)}
     return frequent | {end for end, gap in gaps if 2 * gap > np.ptp(ends)}
 
 
@@ -218,7 +226,7 @@ def lines_not_used(
     texts = {"dx": quantity(dx, "m"), "dy": quantity(dy, "m")}
     lines = ((f"line {number}: {text[:LONGEST_QUOTE]}", text) for number, text in channel.unused)
     listing = [line for line, text in lines if parse_lengths(text) or _PLAIN.search(text)]
-    exempt, conspicuous, notes = ignored_lines(request), _conspicuous(finite), []
+    exempt, strange_levels, notes = ignored_lines(request), conspicuous(finite), []
     for number, text in (line for line in channel.unused if line[0] not in exempt):
         lengths = parse_lengths(text)
         values = [float(match) for match in _PLAIN.findall(text.replace(",", "."))]
@@ -238,7 +246,7 @@ def lines_not_used(
         limits = [length.value / height_factor for length in with_number] or values
         beyond_count = _count_beyond(finite, limits) if is_limit else 0
         marker = _number_alone(text)
-        may_be_marker = "marker" in matters or (not elsewhere and marker in conspicuous)
+        may_be_marker = "marker" in matters or (not elsewhere and marker in strange_levels)
         marker_count = int(np.count_nonzero(finite == marker)) if may_be_marker else 0
         if is_limit and not beyond_count and not marker_count:
             continue

@@ -17,11 +17,11 @@ import numpy as np
 from roughcontact.arguments.quantities import counted_noun
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import MIN_MARKER, NO_TOPOGRAPHY, Channel, MeasuredFile
-from roughcontact.io.guards import listed, refusal
+from roughcontact.io.guards import listed, refusal, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import LABELS, instrument_metadata
 from roughcontact.io.positions import UnevenPositionsError, even_step, points_on_grid, rounded_step, scattered
-from roughcontact.io.sources import parse_lengths
+from roughcontact.io.sources import conspicuous, marker_of, parse_lengths
 from roughcontact.io.text.axes import are_points, begins_anew, find_axes, form_a_grid, uneven, wrapped
 from roughcontact.io.text.columns import Column, are_map_columns, headed, layout, miscounted, unit_of_heights
 from roughcontact.io.text.header import LENGTHS, Stated, Statement, check_agreement, contradiction, statements
@@ -46,6 +46,8 @@ _SIDE = {axis: pattern("side", axis) for axis in "xy"}
 _LEAVE_ONE = "leave one of them in the file"
 _KEYENCE = -99999.9999  # that VR and VK series write for a missing point
 _ARC_INFO = {"ncols", "nrows", "cellsize"}  # first words of the header of a grid
+_IGOR = re.compile(r"IGOR\s+WAVES\S*\s+\S+\s+BEGIN\s(.*?)\sEND\b((?:(?!WAVES).)*)", re.DOTALL)
+_SET_SCALE = re.compile(r'SetScale\s*(/P)?\s*([xyd])\s+[^,]+,\s*([^,]+),\s*"([^"]*)"')
 
 
 class _Text(NamedTuple):
@@ -70,7 +72,7 @@ def read(path: Path) -> MeasuredFile:
 def parsed(content: str) -> MeasuredFile:
     """Return what a text holds."""
     # all tables before any: whether a second one is a channel or a mistake shows only beside the first
-    tables, counts, dialect, notes = split_text(content)
+    tables, counts, dialect, notes = split_text(_without_igor(content))
     texts: list[_Text] = []
     files: list[MeasuredFile] = []
     for table in tables:
@@ -83,6 +85,20 @@ def parsed(content: str) -> MeasuredFile:
     return file
 
 
+def _without_igor(content: str) -> str:
+    """Return a wave of an Igor text as rows along x below its scale; another text as it is."""
+    if not (wave := _IGOR.fullmatch(content)):
+        return content
+    header = [
+        ({"x": "dx = {} {}", "y": "dy = {} {}"}[axis] if has_step else "height unit = {1}").format(step, unit)
+        for has_step, axis, step, unit in _SET_SCALE.findall(wave[2])
+        if unit
+    ]
+    with refusing("a damaged Igor text"):
+        rows = zip(*(line.split() for line in wave[1].splitlines() if line.strip()), strict=True)
+        return "\n".join([*header, "First row: bottom", *map("\t".join, rows), ""])
+
+
 def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     """Return one table with its statements, and warnings about its numbers."""
     values, empty, empty_corner, short, doubts = parse_table(rows, dialect)
@@ -93,7 +109,7 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     lines = ((*each, unit_of_heights(each[1])) for each in rows.filled[: -_MAX_DISTANCE - 1 : -1])
     for number, line, unit in islice((heading for heading in lines if heading[2]), 1):
         by_meaning.setdefault("height_unit", []).append(Statement(unit, line=number, text=line.strip()))
-    _add_markers(by_meaning, rows, values.size)
+    doubts += _add_markers(by_meaning, rows, values) + _add_counts(by_meaning, values)
     check_agreement(by_meaning)
     values[(np.abs(values) > MIN_MARKER) | (values == _KEYENCE)] = np.nan  # infinite ones too
     doubts += thousands(by_meaning, rows.texts[empty_corner:], dialect)  # without positions
@@ -134,13 +150,29 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     return _Text(rows, values, empty, empty_corner, short, dialect.delimiter, by_meaning, columns, doubts)
 
 
-def _add_markers(stated: Stated, rows: Rows, size: int) -> None:
-    """Add markers of missing points among `size` numbers: of the format, and numbers of invalid points."""
-    for invalid in stated.pop("invalid", []):
-        if not 0 <= invalid.value <= size:  # else it may be the number of such points
-            stated.setdefault("missing", []).append(invalid)
+def _add_markers(stated: Stated, rows: Rows, values: np.ndarray) -> list[str]:
+    """Add markers of missing points: of the format, and of lines in any words; return what is doubtful."""
     if {line.split()[0].lower() for _, line in rows.filled} >= _ARC_INFO:
         stated.setdefault("missing", [Statement(-9999.0)])  # by default of the format
+    used, doubts = {each.line for group in stated.values() for each in group}, []
+    for number, line in rows.filled:
+        marker = marker_of(line) if number not in used else np.nan
+        may_be_count = 0 <= marker <= values.size and marker % 1 == 0
+        if not may_be_count and marker in conspicuous(values[np.isfinite(values)]):
+            stated.setdefault("missing", []).append(Statement(marker, line=number, text=line.strip()))
+            points = counted_noun(np.count_nonzero(values == marker), "point")
+            doubts.append(f"line {number} says {line.strip()[:60]!r}: {points} with that height are missing")
+    return doubts
+
+
+def _add_counts(stated: Stated, values: np.ndarray) -> list[str]:
+    """Add the height of a step along z where heights are whole numbers without a unit; return a note."""
+    steps = stated.pop("z_step", [])
+    has_unit = {"height_unit", "unit", "z_factor"} & {*stated}
+    if not steps or has_unit or not {*LENGTHS} & {*stated} or np.any(values[np.isfinite(values)] % 1):
+        return []
+    stated["z_factor"] = steps
+    return [f"{steps[0]}: all heights are whole numbers, and taken as counts of it"]
 
 
 def _unused(table: _Text) -> list[tuple[int, str]]:

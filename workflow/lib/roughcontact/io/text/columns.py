@@ -12,7 +12,7 @@ from roughcontact.io.vocabulary import meanings, pattern, words
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
 _ENTRY = re.compile(r"[^\W\d][.)\]]?\s*[:=]\s*[-+.]?\d")  # a number behind a word: no heading
 # as a whole cell, or behind a separator that is not the table's
-_VALUE = re.compile(r"(?:[-+]?[\d.,]+|.*\s\d+[.,]\d+)\s*(?:\[?[^\W\d_]+\]?)(?:/\w+)?|\d[\d.,-]*|=")
+_VALUE = re.compile(r"(?:[-+]?[\d.,]+|.*\s\d+[.,]\d+)\s*(?:\[?[^\W\d_]+\]?)(?:/\w+)?|[-+]?\d[\d.,-]*|=")
 _VALUE_BEHIND = re.compile(r"[^\W\d];\s*[-+.]?\d")
 # before the names
 _LABEL = re.compile(r"(?i)(?:columns?|fields|formats?|spalten|colonn[ei]s?|columnas)\b\s*[:=]?\s+(?!\d)")

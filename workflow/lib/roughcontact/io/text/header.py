@@ -308,7 +308,7 @@ def _entries(text: str, *, alone: bool) -> Iterable[tuple[str, str]]:
     head, *value_texts = re.split(r"\s*[:=]\s*", text)
     keys, values = [head], []
     # "h=305 w=75" is two entries; "file = C:/map" is one, as its second value is no number
-    numbers = all(NUMBER.match(value.lstrip("([")) or is_length(value) for value in value_texts)
+    numbers = all(NUMBER.match(text.lstrip("([")) or is_length(text.split(" ")[0]) for text in value_texts)
     for value_text in value_texts[:-1] if numbers else ():  # a value, its unit, the next key
         stops = [blank.span() for blank in re.finditer(r"[\s;]+|,\s+", value_text)] or [(0, 0)]
         before_keys = (span for span in stops if _meaning(value_text[span[1] :].partition("(")[0]))
@@ -373,7 +373,7 @@ def _parts() -> re.Pattern[str]:
 def _meaning(key: str) -> str | None:
     """Return the meaning of a key: a word, or composed of such; None for an unknown key."""
     apart = re.sub(r"[\s_-]+|(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", key)
-    name = apart.strip().strip('"').lower().removeprefix("1 ")  # "1 pixel = 0.4 µm"
+    name = apart.strip().strip('"').lower()
     name = lower if (lower := key.strip().lower()) in _MEANING else name  # "dX"
     words = _parts().findall(name[:_MAX_PHRASE])
     if name in _MEANING or not words:
