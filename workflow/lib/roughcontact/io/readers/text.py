@@ -47,7 +47,8 @@ _LEAVE_ONE = "leave one of them in the file"
 _KEYENCE = -99999.9999  # that VR and VK series write for a missing point
 _ARC_INFO = {"ncols", "nrows", "cellsize"}  # first words of the header of a grid
 _IGOR = re.compile(r"IGOR\s+WAVES\S*\s+\S+\s+BEGIN\s(.*?)\sEND\b((?:(?!WAVES).)*)", re.DOTALL)
-_SET_SCALE = re.compile(r'SetScale\s*(/P)?\s*([xyd])\s+[^,]+,\s*([^,]+),\s*"([^"]*)"')
+_IGOR_STEPS = re.compile(r'SetScale\s*/P\s*([xy])\s+[^,]+,\s*([^,]+),\s*"([^"]+)"')
+_IGOR_UNIT = re.compile(r'SetScale\s*[dy]\s+[^,]+,[^,]+,\s*"([^"]+)"')  # y: of a wave of one dimension
 
 
 class _Text(NamedTuple):
@@ -89,11 +90,8 @@ def _without_igor(content: str) -> str:
     """Return a wave of an Igor text as rows along x below its scale; another text as it is."""
     if not (wave := _IGOR.fullmatch(content)):
         return content
-    header = [
-        ({"x": "dx = {} {}", "y": "dy = {} {}"}[axis] if has_step else "height unit = {1}").format(step, unit)
-        for has_step, axis, step, unit in _SET_SCALE.findall(wave[2])
-        if unit
-    ]
+    header = [f"d{axis} = {step} {unit}" for axis, step, unit in _IGOR_STEPS.findall(wave[2])]
+    header += [f"height unit = {unit}" for unit in _IGOR_UNIT.findall(wave[2])]
     with refusing("a damaged Igor text"):
         rows = zip(*(line.split() for line in wave[1].splitlines() if line.strip()), strict=True)
         return "\n".join([*header, "First row: bottom", *map("\t".join, rows), ""])
@@ -157,11 +155,11 @@ def _add_markers(stated: Stated, rows: Rows, values: np.ndarray) -> list[str]:
     used, doubts = {each.line for group in stated.values() for each in group}, []
     for number, line in rows.filled:
         marker = marker_of(line) if number not in used else np.nan
-        may_be_count = 0 <= marker <= values.size and marker % 1 == 0
-        if not may_be_count and marker in conspicuous(values[np.isfinite(values)]):
+        is_number = marker < 0 or marker > values.size or marker % 1 > 0  # and may not be that of such points
+        if is_number and marker in conspicuous(values[np.isfinite(values)]):
             stated.setdefault("missing", []).append(Statement(marker, line=number, text=line.strip()))
             points = counted_noun(np.count_nonzero(values == marker), "point")
-            doubts.append(f"line {number} says {line.strip()[:60]!r}: {points} with that height are missing")
+            doubts.append(f"{stated['missing'][-1]}: {points} with that height are missing")
     return doubts
 
 

@@ -298,8 +298,11 @@ def _counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[st
     lines = [body[number].strip(" \r\f").rstrip((delimiter or "") + " ") for number in numbers]
     count_line, row = lines[0], lines[-1]
     counts = re.findall(r"\d+", count_line)
-    only_counts = len(count_line) <= 40 and re.fullmatch(r"\d+(?:[;,\s]+\d+)?", count_line)
-    if not only_counts or len(row[:_MAX_PREFIX].split(delimiter)) <= len(counts):
+    only_counts = len(count_line) <= 40 and re.fullmatch(r"[1-9]\d*(?:[;,\s]+\d+)?", count_line)
+    width = len(row[:_MAX_PREFIX].split(delimiter))
+    # "5;" above "6;0.3" is a point without a height
+    is_point = width == 2 and len(body[numbers[0]].strip(" \r\f").split(delimiter)) == width
+    if not only_counts or width <= len(counts) or is_point:
         return [], body
     return [*map(int, counts)], body[numbers[0] + 1 :]
 
