@@ -129,6 +129,7 @@ def changed(index, value):
         (1e-7 * np.random.default_rng(5).standard_normal((64, 64)), "neighbouring points are unrelated"),
         (np.zeros((8, 8)), "all heights are equal"),
         (changed(np.s_[20:28, 30:36], rough().mean()), "1.17 % of the points have exactly the height"),
+        (changed(np.s_[0, ::10], 1e-7)[:3, :32], "4.17 % of the points have exactly the height"),
     ],
 )
 def test_what_looks_wrong_is_said(height, message):

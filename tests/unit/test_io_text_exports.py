@@ -113,6 +113,22 @@ def test_a_column_of_heights_may_begin_with_missing_points(read):
     holds(height, 1e-6 * np.array([[np.nan, np.nan, 1.5, 2.5, 3]]), rtol=1e-12)
 
 
+@pytest.mark.parametrize("x", [0, 5])
+def test_a_profile_may_begin_with_a_point_without_a_height(read, x):
+    height = read(f"Operator: X\nx [mm];z [µm]\n{x};\n{x + 1};1.5\n{x + 2};2.5\n{x + 3};3\n")
+    holds(height, 1e-6 * np.array([[np.nan, 1.5, 2.5, 3]]), 1e-3, rtol=1e-12)
+
+
+def test_a_wave_of_igor_has_x_along_its_rows(read, refused):
+    head = "IGOR\nWAVES/D/N=(5,4)\th\nBEGIN\n"
+    tail = 'END\nX SetScale/P x 0,2e-6,"m", h; SetScale/P y 0,1,"um", h; SetScale d 0,0,"nm", h\n'
+    heights = np.arange(20.0).reshape(4, 5) ** 2
+    holds(read(head + cells(heights.T) + tail), 1e-9 * heights, 2e-6, 1e-6, rtol=1e-12)
+    refused(head + cells(heights.T).replace("\t1\n", "\n") + "1\n" + tail, "a damaged Igor text")
+    profile = 'IGOR\nWAVES/D h\nBEGIN\n{}END\nX SetScale/P x 0,2e-6,"m", h; SetScale y 0,0,"nm", h\n'
+    holds(read(profile.format(cells(heights[:1].T))), 1e-9 * heights[:1], 2e-6, rtol=1e-12)
+
+
 def test_an_empty_quoted_cell_at_the_end_of_a_file_is_a_missing_point(read):
     rows = '"1","2","3","4"\n' * 3 + '"5","6","7",""\n'
     holds(read(f'"Height"\n{rows}', **GIVEN), 1e-6 * np.array([[5, 6, 7, np.nan], *[[1, 2, 3, 4]] * 3]))

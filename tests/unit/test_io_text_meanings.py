@@ -88,6 +88,17 @@ def test_words_behind_decimal_commas_lose_no_point(read):
 
 
 @pytest.mark.parametrize(
+    "line", ["1 pas = 0,1 nm", "1 单位 = 0.1 nm", "Passo Z: 0.1 nm", "Z resolution: 0.1 nm"]
+)
+def test_the_height_of_one_step_counts_whole_numbers(read, refused, line):
+    counts = np.round(100 * ONE)
+    height = read(f"{STEPS}{line}\n{cells(counts)}")
+    is_right(height, 0.1 * counts[::-1])
+    assert f"line 3 says '{line}': all heights are whole numbers" in warnings_of(height)
+    refused(f"{STEPS}{line}\n{cells(ONE)}", "does not say the unit of its heights .*line 3 says")
+
+
+@pytest.mark.parametrize(
     "line", ["Scale factor: 0.1 nm", "z_scale = 0.1 nm", "Skalierung: 0,1", "gain: 100", "Множитель: 0.1"]
 )
 def test_a_factor_above_counts_is_asked_about(read, refused, line):
