@@ -204,10 +204,10 @@ def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) ->
             cause = f"the instrument was saturated there, or this marks missing points ({_MARKER_ADVICE})"
             yield f"{percent(share)} of the points have {finding}: {cause}"
     others = [each for each in frequent_levels(heights) if not has_many or low < each[0] < high]
-    for level, share in sorted(others, key=lambda each: each[1])[-1:]:
+    for level, level_share in sorted(others, key=lambda each: each[1])[-1:]:
         finding = f"exactly the height {quantity(level, 'm')}, far more than any other"
         cause = f"a plateau that was filled in, or a marker for missing points ({_MARKER_ADVICE})"
-        yield f"{percent(share)} of the points have {finding}: {cause}"
+        yield f"{percent(level_share)} of the points have {finding}: {cause}"
 
 
 def _lines(height: np.ndarray) -> Iterator[str]:

@@ -158,7 +158,7 @@ def _add_markers(stated: Stated, rows: Rows, values: np.ndarray) -> list[str]:
         is_number = marker < 0 or marker > values.size or marker % 1 > 0  # and may not be that of such points
         if is_number and marker in conspicuous(values[np.isfinite(values)]):
             stated.setdefault("missing", []).append(Statement(marker, line=number, text=line.strip()))
-            points = counted_noun(np.count_nonzero(values == marker), "point")
+            points = counted_noun(int(np.count_nonzero(values == marker)), "point")
             doubts.append(f"{stated['missing'][-1]}: {points} with that height are missing")
     return doubts
 
