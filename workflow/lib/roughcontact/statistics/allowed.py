@@ -98,10 +98,9 @@ def with_allowed(
     (array([0., 1.]), 1.41)
     """
     properties: dict[str, Any] = {"area": area}
-    for section in (settings, settings.get("seal") or {}, settings.get("joint") or {}):
+    required = {f"allowed_{name}": limit for name, limit in (settings.get("requirement") or {}).items()}
+    for section in (settings, settings.get("seal") or {}, settings.get("joint") or {}, required):
         properties |= {key: entry for key, entry in section.items() if entry is not None}
-    for name, limit in (settings.get("requirement") or {}).items():
-        properties |= {} if limit is None else {f"allowed_{name}": limit}
     complete = statistics.assign(_totals(statistics, properties))
     joint_area = (settings.get("joint") or {}).get("area")
     columns: dict[str, Any] = {"joint_area": joint_area} if joint_area else {}

@@ -191,10 +191,8 @@ def taper(values: np.ndarray, width: float) -> np.ndarray:
     mean = values.mean()
     result = values - mean
     for axis, points in enumerate(values.shape):
-        if points > 1:
+        if points > 1 and width:
             from_edge = np.minimum(np.arange(points) + 0.5, points - 0.5 - np.arange(points))
-            edge = width * points / 2
-            fall = np.minimum(from_edge, edge) / edge if width else np.ones(points)
-            window = np.sin(np.pi / 2 * fall) ** 2
+            window = np.sin(np.pi / 2 * np.minimum(from_edge / (width * points / 2), 1)) ** 2
             result = result * np.expand_dims(window, 1 - axis)
     return result + mean
