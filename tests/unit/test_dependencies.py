@@ -1,8 +1,11 @@
 """The checksum of a script's modules covers whatever the script imports, and nothing else of the package."""
 
+import ast
 import shutil
 import subprocess
 import sys
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -141,3 +144,13 @@ def test_a_reader_concerns_the_files_that_it_reads(package, monkeypatch, tmp_pat
         (folder / edited).write_bytes((folder / edited).read_bytes() + b"\n")
         assert [a != b for a, b in zip(of_files(), digests_before, strict=True)] == changed
     assert readers.reader_digest("none.npy") == ""
+
+
+def test_whatever_a_script_imports_is_there():
+    """A dry run plans the jobs without their scripts."""
+    for script in (ROOT / "workflow/scripts").glob("*.py"):
+        for node in ast.walk(ast.parse(script.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and str(node.module).startswith("roughcontact"):
+                module = import_module(node.module)
+                for name in (entry.name for entry in node.names):
+                    assert hasattr(module, name) or find_spec(f"{node.module}.{name}"), (script.name, name)

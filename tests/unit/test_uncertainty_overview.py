@@ -6,7 +6,7 @@ import xarray as xr
 
 import roughcontact as rc
 from roughcontact import HeightMapError, self_affine_surface
-from roughcontact.evaluation.pipeline import read_overview
+from roughcontact.io.read import read_overview
 from roughcontact.surface.faces.placing import overview_with_place, recorded_place
 from roughcontact.uncertainty.calibration import overview_arms, table
 from roughcontact.uncertainty.combination import uncertainty_table

@@ -16,12 +16,12 @@ from roughcontact.arguments.positions import separate_positions
 from roughcontact.arguments.settings.stages import stage_settings
 from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import InputFileError, SettingsError
+from roughcontact.errors import SettingsError
 from roughcontact.evaluation.creep import with_creep
 from roughcontact.evaluation.kinds import kind_of
 from roughcontact.evaluation.kinds.periodic_map import STATED_LOADS, SolvedMap
 from roughcontact.evaluation.requirement import with_largest_roughness
-from roughcontact.io.read import read_height_map
+from roughcontact.io.read import read_overview
 from roughcontact.results.storage import provenance, written_load_by_load
 from roughcontact.statistics.allowed import with_allowed
 from roughcontact.statistics.checks import add_verdicts
@@ -118,19 +118,6 @@ def with_positions(
     positions = separate_positions(text, len(overviews))
     maps = [field if isinstance(field, xr.DataArray) else read_overview(field) for field in overviews]
     return [*zip(maps, positions, strict=True)]
-
-
-def read_overview(path: str | Path) -> xr.DataArray:
-    """Read a coarser map around another one; its file has to say its size."""
-    try:
-        return read_height_map(path)
-    except InputFileError as error:
-        if not {"dx", "dy"} & {*error.keys}:
-            raise
-        finding, _, _ = str(error).partition("; give ")
-        way_out = "write lines before the heights, # Width: 300 um, # Height: 200 um, # Value units: um"
-        wrong = f"{finding}; the size of an overview is stated in its file"
-        raise InputFileError(f"{wrong}: {way_out}, or save it in a format that has them") from error
 
 
 class Solved(NamedTuple):

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -123,6 +124,19 @@ def read_height_map(
         height = _read(path, request)
     facts = Instrument(**{key: float(value) for key, value in (instrument or {}).items()}).attributes()
     return height.assign_attrs(facts if request.lay is None else {"lay": request.lay} | facts)
+
+
+def read_overview(path: str | Path, **arguments: Any) -> xr.DataArray:
+    """Read a coarser map around another one, as `read_height_map`; its file has to say its size."""
+    try:
+        return read_height_map(path, **arguments)
+    except InputFileError as error:
+        if not {"dx", "dy"} & {*error.keys}:
+            raise
+        finding, _, _ = str(error).partition("; give ")
+        way_out = "write lines before the heights, # Width: 300 um, # Height: 200 um, # Value units: um"
+        wrong = f"{finding}; the size of an overview is stated in its file"
+        raise InputFileError(f"{wrong}: {way_out}, or save it in a format that has them") from error
 
 
 def _read(path: Path, request: Request) -> xr.DataArray:
