@@ -194,7 +194,7 @@ def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) ->
     has_many = is_large and levels.size >= _FEW_LEVELS
     if is_large and not has_many and quantisation_step(height) is None:
         yield f"only {levels.size} different heights occur, at odd distances"
-    if not has_many and 2 * levels.size < heights.size:
+    if heights.size < _NEIGHBOURS or (not has_many and 2 * levels.size < heights.size):
         return  # what chance brings to few levels is not known
     for value, name in ((low, "lowest"), (high, "highest")) if has_many else ():
         count = np.count_nonzero(heights == value)

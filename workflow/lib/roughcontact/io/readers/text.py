@@ -165,9 +165,11 @@ def _add_markers(stated: Stated, rows: Rows, values: np.ndarray) -> list[str]:
 
 def _add_counts(stated: Stated, values: np.ndarray) -> list[str]:
     """Add the height of a step along z where heights are whole numbers without a unit; return a note."""
-    steps = stated.pop("z_step", [])
+    steps, heights = stated.pop("z_step", []), values[np.isfinite(values)]
     has_unit = {"height_unit", "unit", "z_factor"} & {*stated}
-    if not steps or has_unit or not {*LENGTHS} & {*stated} or np.any(values[np.isfinite(values)] % 1):
+    if not steps or has_unit or not {*LENGTHS} & {*stated}:
+        return []
+    if np.any(heights[~np.isin(heights, [*conspicuous(heights)])] % 1):  # but for markers
         return []
     stated["z_factor"] = steps
     return [f"{steps[0]}: all heights are whole numbers, and taken as counts of it"]
