@@ -17,6 +17,7 @@ from roughcontact.report.groups import (
     group_rows,
     surfaces_in_words,
 )
+from roughcontact.report.template import template
 from roughcontact.uncertainty.differences import compare_all
 from roughcontact.uncertainty.group_tables import NamedGroup
 
@@ -166,6 +167,17 @@ def test_surfaces_whose_area_is_unknown_at_the_load_have_no_line():
     surfaces = areas.assign(contact_modulus=1e9)
     assert surfaces_in_words({"a": (surfaces, 1), "b": (surfaces, 1)}) == ""
     assert "10.0 % of all 2" in surfaces_in_words({"a": (surfaces, 0), "b": (surfaces, 0)})
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "words"),
+    [(["differ", "", "closed"], "differ at 1; closed at 3"), (["", "closed"], "closed at 2")],
+)
+def test_outcomes_that_are_others_at_some_loads_stand_with_their_loads(outcomes, words):
+    row = {"quantity": "mean gap", "cells": [Cell("1")] * len(outcomes), "outcomes": outcomes}
+    pair = {"first": "A", "second": "B", "loads": ["1", "2", "3"][: len(outcomes)], "rows": [row]}
+    table = str(template("ratios.html").module.ratios([pair], "Differences"))
+    assert re.findall(r'<td class="text">([^<]*)</td>', table) == [words]
 
 
 def test_pictures_show_every_map():
