@@ -108,8 +108,11 @@ def test_a_first_row_that_begins_with_a_missing_point_is_a_row(read):
     holds(height, 1e-6 * np.array([[-3.25, 2.18, 1.5, 2], [np.nan, -2.44, 3.1, 0.5]]), rtol=1e-12)
 
 
-def test_a_column_of_heights_may_begin_with_missing_points(read):
-    height = read("z in um\nNaN\nBAD\n1.5\n2.5\n3\n", **GIVEN)
+@pytest.mark.parametrize(
+    "text", ["z in um\nNaN\nBAD\n1.5\n2.5\n3\n", "Ra: 0,25 µm\nz in um\n?\nn/a\n1,5\n2,5\n3,0\n"]
+)
+def test_a_column_of_heights_may_begin_with_missing_points(read, text):
+    height = read(text, **GIVEN)
     holds(height, 1e-6 * np.array([[np.nan, np.nan, 1.5, 2.5, 3]]), rtol=1e-12)
 
 
