@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.guards import refusal, refusing
 
 MARK = b"\x89HDF\r\n\x1a\n"
@@ -75,7 +74,7 @@ def _check_heaps(path: Path) -> None:
                 number, size = struct.unpack_from("<H6xQ", data, offset)
                 remaining -= 1
                 if remaining == 0 or (number == 0 and size == 0):
-                    raise InputFileError("damaged or cut off HDF5 file (a heap without an end)")
+                    raise refusal("heap without end")
                 offset += _HEAP_HEAD + size + -size % 8 if number else size
             start = data.find(_HEAP, start + 1)
 
@@ -105,7 +104,7 @@ def _arrays(file: Any) -> Iterator[tuple[str, tuple[int, ...]]]:
                 continue
             addresses.add(address)
             if len(addresses) > _MAX_OBJECTS:
-                raise InputFileError(f"more than {_MAX_OBJECTS} objects in this HDF5 file")
+                raise refusal("many objects", limit=_MAX_OBJECTS)
             if isinstance(entry, h5py.Group):
                 groups.append((entry, depth + 1))
             elif isinstance(entry, h5py.Dataset):

@@ -220,8 +220,7 @@ def _lines(height: np.ndarray) -> Iterator[str]:
         reference = np.take_along_axis(values, np.argmax(finite, axis=1)[:, None], axis=1)
         long_enough = finite.sum(axis=1) > max(3, length // 100)  # lines of three points are inconclusive
         flat = np.all((values == reference) | ~finite, axis=1) & long_enough
-        both_missing = ~finite[1:] & ~finite[:-1]
-        repeats = np.all((values[1:] == values[:-1]) | both_missing, axis=1) & long_enough[1:]
+        repeats = np.all((values[1:] == values[:-1]) | ~(finite[1:] | finite[:-1]), axis=1) & long_enough[1:]
         if 0 < flat.sum() < count / 2:
             yield f"{flat.sum()} of {count} {name} are constant: lost lines or a marker for missing points"
         elif 0 < repeats.sum() < count / 2:

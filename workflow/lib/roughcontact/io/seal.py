@@ -7,7 +7,7 @@ import re
 import zlib
 from pathlib import Path
 
-from roughcontact.errors import InputFileError
+from roughcontact.io.guards import refusal
 
 WAY_OUT = "delete it (of a surface: its folder) and run again"
 # CRC-32 takes a quarter of the time of SHA-256; it misses no damage within 4 bytes, and one in 4e9 of longer
@@ -40,8 +40,7 @@ def check_seal(path: str | Path) -> int:
     if not (crc := stated_seal(path)):
         return 0
     if (checksum := f"{_crc(path, path.stat().st_size - _LENGTH):08x}") != crc:
-        wrong = f"damaged, or changed by another program, since it was written (its CRC-32 is {checksum}"
-        raise InputFileError(f"{path}: {wrong}, it was {crc}); {WAY_OUT}")
+        raise refusal("wrong seal", path=path, checksum=checksum, seal=crc, way_out=WAY_OUT)
     return _LENGTH
 
 

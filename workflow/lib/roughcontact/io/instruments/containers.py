@@ -10,7 +10,6 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.guards import listed, refusal
 
 TIFF = (b"II*\0", b"MM\0*")
@@ -74,11 +73,11 @@ def _tiff_pages(data: mmap.mmap) -> Iterator[tuple[int, np.ndarray]]:
     while position:
         # each page names the next one: nothing keeps a file from naming one of those before
         if position in positions or len(positions) == _MAX_PAGES:
-            raise InputFileError(f"damaged TIFF: its pages form a loop, or are more than {_MAX_PAGES}")
+            raise refusal("loop of pages", limit=_MAX_PAGES)
         positions.add(position)
         stop = position + 2 + entry.itemsize * int.from_bytes(data[position : position + 2], order)
         if stop + 4 > len(data):
-            raise InputFileError("damaged or cut off TIFF: a page lies outside the file")
+            raise refusal("page outside")
         yield position, np.frombuffer(data[position + 2 : stop], entry)
         position = int.from_bytes(data[stop : stop + 4], order)
 

@@ -16,7 +16,6 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, counted_channels, stated_length
 from roughcontact.io.guards import check_count, check_points, refusal, refuse_cut_off, refusing
 from roughcontact.io.instruments.rules import IMPRINT, INVERTED
@@ -58,7 +57,7 @@ def _objects(path: Path) -> tuple[list[tuple[np.void, int]], int]:
             stream.seek(stop)
             data = stream.read(_HEADER_BYTES)
             if len(data) < _HEADER_BYTES:
-                raise InputFileError("a header of this Digital Surf file is cut off")
+                raise refusal("cut header of an object")
             header = np.frombuffer(data, _LAYOUT, 1)[0]
             nx, ny, bits = map(int, (*header["shape"], header["bits"]))
             start = stop + _HEADER_BYTES + int(header["sizes"].sum())
@@ -66,7 +65,7 @@ def _objects(path: Path) -> tuple[list[tuple[np.void, int]], int]:
             sizes = _stream_sizes(stream, header, size)
             stop = stream.tell() + int(sizes[:, 1].sum())
             if header["spectrum"] > 1:
-                raise InputFileError(f"it holds spectra of {header['spectrum']} points each, no heights")
+                raise refusal("spectra", points=header["spectrum"])
             points = min(nx, ny) > 0 and nx * ny == header["points"] and bits in (16, 32)
             if not points or sizes[:, 0].sum() != nx * ny * bits // 8:
                 raise refusal("damaged object", points=header["points"], bits=bits, nx=nx, ny=ny)

@@ -6,9 +6,8 @@ little-endian, NaN where not measured.
 
 from pathlib import Path
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, on_field, stored_floats
-from roughcontact.io.guards import refusing
+from roughcontact.io.guards import refusal, refusing
 from roughcontact.io.interface import HEADER_BYTES, Reader, RecognisedBy, begins_with, read_head
 
 _MARK = b"Gwyddion Simple Field 1.0\n"
@@ -23,7 +22,7 @@ def read(path: Path) -> MeasuredFile:
         nx, ny = int(statements["XRes"]), int(statements["YRes"])
         lengths = [float(statements[key]) if key in statements else None for key in ("XReal", "YReal")]
     if not zero:
-        raise InputFileError("looks like GSF, but its header is damaged or cut off")
+        raise refusal("cut GSF")
     shape, start = (ny, nx), len(text) + 4 - len(text) % 4
     name, unit, unit_xy = map(statements.get, ("Title", "ZUnits", "XYUnits"))
     channel = Channel(name or "height", shape, lambda: stored_floats(path, "<f4", shape, start), unit or None)

@@ -13,9 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, on_field
-from roughcontact.io.guards import refusing
+from roughcontact.io.guards import refusal, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 
 _MARK = b"GWYP"
@@ -33,7 +32,7 @@ def read(path: Path) -> MeasuredFile:
         images = [match[1] for key in container if (match := re.fullmatch(r"/(\d+)/data", key))]
         channels = [_channel(container, f"/{number}") for number in images]
     if not channels:
-        raise InputFileError("this Gwyddion file holds no image")
+        raise refusal("no image of Gwyddion")
     meta = container.get(f"/{images[0]}/meta", {})
     serial = {"serial": meta.get("Instrument serial number 2")}
     return MeasuredFile("Gwyddion", channels, "top", serial, required_size=required_size, header=meta)

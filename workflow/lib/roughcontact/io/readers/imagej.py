@@ -11,9 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, stated_length
-from roughcontact.io.guards import refuse_more, refusing
+from roughcontact.io.guards import refusal, refuse_more, refusing
 from roughcontact.io.instruments.containers import TIFF, check_tiff, tiff_end, tiff_tags
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.units import is_length
@@ -38,7 +37,7 @@ def read(path: Path) -> MeasuredFile:
     unit = properties.get("unit", "").encode().decode("unicode_escape", "replace").strip()
     function = int(properties.get("cf", _NO_FUNCTION))
     if _STRAIGHT_LINE < function < _NO_FUNCTION:
-        raise InputFileError("its values are calibrated by a curve, which is not followed; save floats")
+        raise refusal("curve of ImageJ")
     line = float(properties.get("c0", 0.0)), float(properties.get("c1", 1.0))
     height_unit = properties.get("vunit") if function == _STRAIGHT_LINE else None
     lateral_unit = unit if is_length(unit) else None
@@ -48,7 +47,7 @@ def read(path: Path) -> MeasuredFile:
         for number in range(image.n_frames):
             image.seek(number)
             if image.mode not in _MODES:
-                raise InputFileError(f"a picture of ImageJ ({image.mode}), whose shades are no heights")
+                raise refusal("picture of ImageJ", mode=image.mode)
             name = f"page {number + 1}" if image.n_frames > 1 else "height"
             values = partial(_read, path, number, line if function == _STRAIGHT_LINE else None)
             channel = Channel(name, image.size[::-1], values, height_unit, lateral_unit=lateral_unit)

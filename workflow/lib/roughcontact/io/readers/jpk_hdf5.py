@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact.errors import InputFileError
 from roughcontact.io import hdf5, instrument_kinds
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, on_field
+from roughcontact.io.guards import refusal
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.units import is_length
 
@@ -42,7 +42,7 @@ def read(path: Path) -> MeasuredFile:
         groups.sort(key=_rank)
         channels = [channel for group in groups for channel in _frames(group, len(measurements) > 1, path)]
         if not channels:
-            raise InputFileError("this JPK file holds no map")
+            raise refusal("no map of JPK")
         facts, size = {"kind": instrument_kinds.PROBE.name, "vendor": "JPK"}, hdf5.stated_size(path)
         header = measurements[0].attrs
         return MeasuredFile("JPK (HDF5)", channels, "bottom", facts, required_size=size, header=header)
@@ -61,11 +61,10 @@ def _frames(group: Any, several: bool, path: Path) -> Iterator[Channel]:
     nx, ny = int(grid["ilength"]), int(grid["jlength"])
     arrays = [name for name in group if name != "thumbnail"]
     if len(arrays) != 1:
-        raise InputFileError(f"{group.name} of this JPK file has {len(arrays)} arrays, not one")
+        raise refusal("arrays of JPK", name=group.name, count=len(arrays))
     array = group[arrays[0]]
     if array.ndim != 2 or array.shape[0] != nx * ny or array.dtype.kind not in "iuf":
-        wrong = f"{array.name} has the shape {array.shape}"
-        raise InputFileError(f"{wrong}, which is no {ny} x {nx} points of each frame")
+        raise refusal("shape of JPK", name=array.name, shape=array.shape, nx=nx, ny=ny)
     unit = _stated(group, _SCALE + "unit.unit")
     scale = float(group.attrs[_SCALE + "multiplier"]), float(group.attrs[_SCALE + "offset"])
     direction = "retrace" if _stated(group, "retrace") == "true" else "trace"

@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, counted_channels, oversized
 from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, refusal, refuse_more, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
@@ -41,7 +40,7 @@ def read(path: Path) -> MeasuredFile:
     )
     if not channels:
         names = ", ".join(f"{name} ({value_type})" for name, _, value_type in variables[:8])
-        raise InputFileError(f"no matrix of real numbers in this MATLAB file; it has {names or 'nothing'}")
+        raise refusal("no matrix of MATLAB", names=names or "nothing")
     # those named height, heights or z come first
     channels.sort(key=lambda channel: channel.name.lower().partition("(")[0] not in _FIRST)
     return MeasuredFile("MATLAB matrix", channels, first_row="bottom", first_row_assumed=True)
@@ -92,7 +91,7 @@ def _places(path: Path) -> Iterator[slice]:
                 raise refusal("no variable of MATLAB", place=stream.tell() - 8)
             byte_range = slice(stream.tell() - 8, stream.tell() + count)
             if byte_range.stop > size:
-                raise InputFileError("the last variable of this MATLAB file is not whole: it was cut off")
+                raise refusal("cut MATLAB")
             yield byte_range
             if data_type != _COMPRESSED:
                 stream.seek(count, 1)

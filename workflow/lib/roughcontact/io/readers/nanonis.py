@@ -12,9 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile, on_field, stored_floats
-from roughcontact.io.guards import refusing
+from roughcontact.io.guards import refusal, refusing
 from roughcontact.io.instrument_kinds import PROBE
 from roughcontact.io.interface import HEADER_BYTES, Reader, RecognisedBy, begins_with, read_head
 from roughcontact.io.units import is_length
@@ -30,7 +29,7 @@ def read(path: Path) -> MeasuredFile:
     """Open a file; each image is a channel."""
     text, _, behind = read_head(path, HEADER_BYTES).partition(_END)
     if _START not in behind:
-        raise InputFileError("the header of this Nanonis file has no end: it was cut off")
+        raise refusal("cut Nanonis")
     start = len(text) + len(_END) + behind.index(_START) + len(_START)
     entries = dict(_ENTRY.findall(text.decode("latin-1")))
     with refusing("looks like Nanonis SXM, but its header is damaged"):
@@ -45,7 +44,7 @@ def read(path: Path) -> MeasuredFile:
 def _channels(entries: dict[str, str], start: int, path: Path) -> Iterator[Channel]:
     """Yield the images, one behind the other from the byte `start` on."""
     if entries["SCANIT_TYPE"].split() != ["FLOAT", "MSBFIRST"]:
-        raise InputFileError(f"this Nanonis file holds {entries['SCANIT_TYPE'].strip()}, not FLOAT MSBFIRST")
+        raise refusal("numbers of Nanonis", kind=entries["SCANIT_TYPE"].strip())
     nx, ny = map(int, entries["SCAN_PIXELS"].split())
     field = [*map(float, entries["SCAN_RANGE"].split())]
     names, *rows = (line.split("\t") for line in entries["DATA_INFO"].splitlines() if line.strip())

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from roughcontact.arguments.measurement import json_attribute, map_attributes
-from roughcontact.errors import InputFileError
 from roughcontact.io import classic, hdf5
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, oversized, unreadable
 from roughcontact.io.guards import MAX_POINTS, check_count, refusal, refuse_more, refusing
@@ -118,7 +117,7 @@ def _variable(dataset: Any, name: Any, dims: tuple[str | None, str], selection: 
     units = {axis: unit_of(dataset.variables[axis].attrs) for axis in (x, y) if axis in dataset.coords}
     unit_x, unit_y = units.get(x), units.get(y)
     if unit_x and unit_y and not same_length(unit_x, unit_y):
-        raise InputFileError(f"the axes {x} and {y} have different units, {unit_x!r} and {unit_y!r}")
+        raise refusal("units of axes", x=x, y=y, unit_x=unit_x, unit_y=unit_y)
     positive_down = str(variable.attrs.get("positive", "")).lower() == "down"  # the CF convention for depths
 
     def read() -> np.ndarray:

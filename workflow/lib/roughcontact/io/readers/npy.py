@@ -4,9 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
-from roughcontact.io.guards import refusing
+from roughcontact.io.guards import refusal, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 from roughcontact.io.text.axes import refuse_points
 
@@ -17,7 +16,7 @@ def read(path: Path) -> MeasuredFile:
         values = np.load(path, mmap_mode="r", allow_pickle=False)
     shape = (1, *values.shape) if values.ndim == 1 else values.shape
     if len(shape) != 2 or 0 in shape:
-        raise InputFileError(f"an array of shape {values.shape}; a map has two axes (y, x), a profile one")
+        raise refusal("shape of an array", shape=values.shape)
     channel = Channel("height", shape, lambda: as_heights(values))
     if values.dtype.kind in "iuf":
         refuse_points(values)

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, stated_length
-from roughcontact.io.guards import refusing
+from roughcontact.io.guards import refusal, refusing
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with
 
 _MARKS = (b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"\xef\xbb\xbfaISO-")
@@ -24,7 +23,7 @@ def read(path: Path) -> MeasuredFile:
         file = sdfio.read(io.BytesIO(_SOFTGAUGE.sub(rb"\1BCR-1.0", path.read_bytes(), count=1)))
     header = file.header
     if not header.z_scale or not np.isfinite(header.z_scale):
-        raise InputFileError(f"Zscale = {header.z_scale}, the height of a count: correct it in the file")
+        raise refusal("scale of SDF", scale=header.z_scale)
     dates = {"acquisition_time": header.create_date, "modified": header.mod_date}
     instrument = {"vendor": header.manufacturer_id, **dates}
     shape, dx = file.data.shape, stated_length(header.x_scale)
@@ -33,7 +32,7 @@ def read(path: Path) -> MeasuredFile:
     # behind the heights of a binary file lies text or nothing
     trailer = file.trailer if isinstance(file.trailer, bytes) else str(file.trailer or "").encode()
     if any(mark in trailer for mark in _MARKS):
-        raise InputFileError("a second SDF follows the first one; save each in a file of its own")
+        raise refusal("second SDF")
     required_size = path.stat().st_size - len(trailer) if trailer.translate(None, _TEXT) else None
     return MeasuredFile("SDF (ISO 25178-71)", [channel], "bottom", instrument, required_size=required_size)
 

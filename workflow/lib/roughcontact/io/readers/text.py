@@ -43,7 +43,6 @@ _PASSAGES = re.compile(r".{1,200}(?=[\s;,]|\Z)|.{1,200}", re.DOTALL)  # of it
 _MAX_PASSAGES = 1000
 _MAX_DISTANCE = 20  # lines above the table among which may be a heading with a unit
 _SIDE = {axis: pattern("side", axis) for axis in "xy"}
-_LEAVE_ONE = "leave one of them in the file"
 _KEYENCE = -99999.9999  # that VR and VK series write for a missing point
 _ARC_INFO = {"ncols", "nrows", "cellsize"}  # first words of the header of a grid
 _IGOR = re.compile(r"IGOR\s+WAVES\S*\s+\S+\s+BEGIN\s(.*?)\sEND\b((?:(?!WAVES).)*)", re.DOTALL)
@@ -207,8 +206,7 @@ def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
     pairs = zip(texts, titles, strict=True)
     has_heading = [bool(text.stated or text.columns or (titles[0] and title)) for text, title in pairs]
     if not all(has_heading[1:]) and (has_heading[0] or not texts[0].rows.filled):
-        number, _ = texts[has_heading.index(False, 1)].rows.start
-        raise InputFileError(f"{_second_table(number)}, or give each a heading of its own")
+        raise refusal("table without a heading", line=texts[has_heading.index(False, 1)].rows.start[0])
     for number, (file, title) in enumerate(zip(files, titles, strict=True), start=1):
         for channel in file.channels:
             label = "" if len(file.channels) == 1 else f", {channel.name}"
@@ -223,11 +221,6 @@ def _together(texts: list[_Text], files: list[MeasuredFile]) -> MeasuredFile:
         headings = "; ".join(f"{line.strip()[:30]!r} at line {number}" for number, line in starts)
         file.question = f"{counted_noun(len(texts), 'table')} below one another ({headings})"
     return file
-
-
-def _second_table(line: int) -> str:
-    """Return what to do where a second table begins at a line."""
-    return f"a second table begins at line {line}; {_LEAVE_ONE}"
 
 
 def _title(text: _Text) -> str:
@@ -260,7 +253,7 @@ def _file(text: _Text) -> MeasuredFile:
         between = np.array(text.rows.lines) - text.rows.lines[0]
         # only a stated number of rows tells rows that are missing from a second table
         if text.stated.first("ny") != between[-1] + 1:
-            raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a row is missing")
+            raise refusal("table or rows", line=text.rows.broken)
         whole = np.full((between[-1] + 1, count), np.nan)  # as many rows as are stated
         whole[between] = values
         text = text._replace(values=whole)
@@ -441,7 +434,7 @@ def _refuse_cut_table(shape: tuple[int, ...], counts: list[int]) -> None:
 def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFile:
     """Return a profile of one height per line."""
     if text.rows.broken:
-        raise InputFileError(_second_table(text.rows.broken) + ", or write NaN where a height is missing")
+        raise refusal("table or heights", line=text.rows.broken)
     if {"length_y", "dy", "ny"} & {*text.stated}:
         raise refusal("column with a size along y", rows=heights.size)
     for index, counter in enumerate(text.columns or ()):

@@ -7,8 +7,8 @@ rows (32 bits), lengths and origins along x and y, and rows of 4-byte floats, li
 import struct
 from pathlib import Path
 
-from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, on_field, stored_floats
+from roughcontact.io.guards import refusal
 from roughcontact.io.interface import Reader, RecognisedBy, begins_with, read_head
 
 _MARK = b"Binary TrueMap Data File"
@@ -20,10 +20,9 @@ def read(path: Path) -> MeasuredFile:
     """Open a file of one map; other versions are refused."""
     mark, *fields = read_head(path).split(b"\0", 2)
     if len(fields) < 2 or not mark.removeprefix(_MARK).strip().startswith(_VERSION):
-        wrong = "looks like TrueMap TMD, but is damaged or of another version than 2.0"
-        raise InputFileError(f"{wrong}; export the map again, as X3P or SDF where the software can")
+        raise refusal("version of TrueMap")
     if len(fields[1]) < _HEADER.size:
-        raise InputFileError("the header of this TrueMap TMD is not whole: it was cut off")
+        raise refusal("cut TrueMap")
     comment = fields[0].decode("latin-1").strip()
     start = len(mark) + len(fields[0]) + 2 + _HEADER.size
     nx, ny, length_x, length_y, *_ = _HEADER.unpack_from(fields[1])
