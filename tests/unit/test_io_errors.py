@@ -117,8 +117,9 @@ def test_every_refusal_of_the_table_is_made_with_the_facts_of_its_sentence():
     for path in sorted((Path(roughcontact.__file__).parent / "io").rglob("*.py")):
         for function in ast.walk(ast.parse(path.read_text())):
             calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
-            calls = [call for call in calls if getattr(call.func, "id", "") == "refusal"]
-            for call in calls if isinstance(function, ast.FunctionDef) else ():
+            calls = [call for call in calls if getattr(call.func, "id", "") in ("refusal", "sentence")]
+            named = isinstance(function, ast.FunctionDef) and function.name != "sentence"
+            for call in calls if named else ():
                 place = function if isinstance(call.args[0], ast.Name) else call.args[0]
                 texts = {node.value for node in ast.walk(place) if isinstance(node, ast.Constant)}
                 facts = {keyword.arg for keyword in call.keywords}

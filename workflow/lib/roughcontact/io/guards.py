@@ -46,6 +46,11 @@ def refusal(name: str, kind: type[RoughContactError] = InputFileError, /, **fact
     return kind(sentence.format(**facts), keys=keys)
 
 
+def sentence(name: str, /, **facts: Any) -> str:
+    """Return a sentence of the table of refusals with its facts, for a warning."""
+    return str(refusal(name, **facts))
+
+
 def brief(error: Exception) -> str:
     r"""Return the message of a library's error on one line of at most 160 characters.
 

@@ -8,6 +8,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from roughcontact.arguments.checking import MAX_GRADIENT
 from roughcontact.arguments.quantities import number, percent, quantity
+from roughcontact.io.guards import sentence
 from roughcontact.io.instrument_kinds import UNKNOWN, Kind
 
 _SAMPLE = 2**18  # quantiles and distinct values are estimated from about this many points
@@ -18,8 +19,6 @@ _FEW_LEVELS = 64
 _NEIGHBOURS = 40  # levels on either side of one that tell how many points chance brings there
 _SINGLE = (5e-8, 1.3e-7)  # smallest and largest step of single precision over the number
 _CENTRAL_QUANTILES = (0.005, 0.995)  # quantiles that enclose nearly all heights
-
-_MARKER_ADVICE = "missing_value states it"
 
 
 class Suspicion(NamedTuple):
@@ -182,9 +181,8 @@ def _extremes(heights: np.ndarray, low: float, high: float) -> Iterator[str]:
     ):
         if count:
             points = f"{count} points lie" if count > 1 else "1 point lies"
-            usual_range = f"where 99 % lie between {quantity(lower, 'm')} and {quantity(upper, 'm')})"
-            cause = "spikes, dust, or a marker for missing points that was taken for a height"
-            yield f"{points} far {where}, {usual_range}: {cause} ({_MARKER_ADVICE})"
+            between = quantity(lower, "m"), quantity(upper, "m")
+            yield sentence("far points", points=points, where=where, between=between)
 
 
 def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) -> Iterator[str]:
@@ -200,14 +198,10 @@ def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) ->
         count = np.count_nonzero(heights == value)
         share = count / heights.size
         if count > 1 and share > _PLATEAU:  # one point is always at the extreme
-            finding = f"exactly the {name} height ({quantity(value, 'm')})"
-            cause = f"the instrument was saturated there, or this marks missing points ({_MARKER_ADVICE})"
-            yield f"{percent(share)} of the points have {finding}: {cause}"
+            yield sentence("saturated", share=percent(share), name=name, value=quantity(value, "m"))
     others = [each for each in frequent_levels(heights) if not has_many or low < each[0] < high]
     for level, level_share in sorted(others, key=lambda each: each[1])[-1:]:
-        finding = f"exactly the height {quantity(level, 'm')}, far more than any other"
-        cause = f"a plateau that was filled in, or a marker for missing points ({_MARKER_ADVICE})"
-        yield f"{percent(level_share)} of the points have {finding}: {cause}"
+        yield sentence("plateau", share=percent(level_share), value=quantity(level, "m"))
 
 
 def _lines(height: np.ndarray) -> Iterator[str]:
@@ -239,6 +233,4 @@ def _noise(height: np.ndarray) -> Iterator[str]:
         with np.errstate(all="ignore"):  # equal heights have no correlation
             correlations.append(np.corrcoef(a[both_finite], b[both_finite])[0, 1])
     if np.max(correlations) < 0.1:
-        values = "correlation {:.2f} along x, {:.2f} along y".format(*correlations)
-        origin = "pure noise, or a binary file whose line ends were converted"
-        yield f"neighbouring points are unrelated ({values}): {origin}"
+        yield sentence("unrelated neighbours", x=correlations[0], y=correlations[1])

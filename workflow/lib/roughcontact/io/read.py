@@ -17,7 +17,7 @@ import xarray as xr
 from roughcontact.arguments.measurement import Instrument, attributes_of_record
 from roughcontact.errors import InputFileError
 from roughcontact.io.conversion import convert
-from roughcontact.io.guards import naming, sha256, unchanged
+from roughcontact.io.guards import naming, refusal, sha256, unchanged
 from roughcontact.io.registry import open_file
 from roughcontact.io.request import Request
 
@@ -133,10 +133,7 @@ def read_overview(path: str | Path, **arguments: Any) -> xr.DataArray:
     except InputFileError as error:
         if not {"dx", "dy"} & {*error.keys}:
             raise
-        finding, _, _ = str(error).partition("; give ")
-        way_out = "write lines before the heights, # Width: 300 um, # Height: 200 um, # Value units: um"
-        wrong = f"{finding}; the size of an overview is stated in its file"
-        raise InputFileError(f"{wrong}: {way_out}, or save it in a format that has them") from error
+        raise refusal("overview", finding=str(error).partition("; give ")[0]) from error
 
 
 def _read(path: Path, request: Request) -> xr.DataArray:

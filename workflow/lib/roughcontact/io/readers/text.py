@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from roughcontact.arguments.quantities import counted_noun
-from roughcontact.errors import InputFileError
 from roughcontact.io.channels import MIN_MARKER, NO_TOPOGRAPHY, Channel, MeasuredFile
 from roughcontact.io.guards import listed, refusal, refusing
 from roughcontact.io.interface import Reader, RecognisedBy
@@ -382,7 +381,7 @@ def _list(table: np.ndarray, columns: list[Column], text: _Text) -> MeasuredFile
     *positions, heights = table[has_values].T
     has_position = np.isfinite(positions).all(axis=0)
     if not has_position.all():
-        raise InputFileError(f"the point in line {lines[int(np.argmin(has_position))]} has no position")
+        raise refusal("no position", line=lines[int(np.argmin(has_position))])
     channel = _channel(heights[None], text, columns[-1].unit, lateral_unit=lateral_unit)
     channel.sources |= {"dx": "positions", "dy": "positions"}
     if len(positions) == 1:
@@ -450,7 +449,7 @@ def _matrix(table: np.ndarray, text: _Text, unit: str | None = None, /, **positi
     sizes = _SIZES & {*entries}
     _refuse_lost_lines(table.shape, text, "the file has")
     if ny == 1 and "length_y" in entries:
-        raise InputFileError("the header gives a size along y, the file has one line; it was cut off")
+        raise refusal("cut to one line")
     wrong = contradiction(entries, table.shape) or wrapped(table)
     steps, lateral_unit = ({}, None) if wrong else _steps(text, table.shape)
     steps = positions | steps
@@ -483,7 +482,7 @@ def _profile(channel: Channel, x: np.ndarray, lines: list[int], text: _Text) -> 
         profiles = counted_noun(len(traces), "profile")
         question = f"{where}: {profiles} below one another, 'profile 1' to 'profile {len(traces)}'"
         return MeasuredFile("text profiles (x, z)", channels, first_row="bottom", question=question)
-    raise InputFileError(f"{where}: no profile over x; cut it there, or correct the positions")
+    raise refusal("no profile", where=where)
 
 
 def _trace(channel: Channel, x: np.ndarray, text: _Text) -> Channel:

@@ -10,7 +10,7 @@ from functools import cache
 from itertools import chain, combinations, dropwhile, islice
 from typing import Any, NamedTuple
 
-from roughcontact.errors import InputFileError
+from roughcontact.io.guards import refusal
 from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.io.vocabulary import meanings, pattern, words
 
@@ -195,17 +195,16 @@ def check_agreement(by_meaning: Stated) -> None:
             stated_unit = metres(bare.value) if is_length(bare.value) else math.nan
             is_product = math.isclose(ratio.value * metres(ratio.unit), stated_unit)
             if not is_product and not same_length(ratio.unit, bare.value):
-                raise InputFileError(f"{ratio}, {bare}: they do not agree; correct one of them")
+                raise refusal("no agreement", first=ratio, second=bare)
     for factor in by_meaning.get("factor", []):
         if not is_length(factor.unit) and factor.value != 1 and "z_factor" not in by_meaning:
-            way_out = "name a factor of the heights 'Z factor', with the unit of the products"
-            raise InputFileError(f"{factor}: {way_out}")
+            raise refusal("factor", factor=factor)
     for meaning, (first, *repeats) in by_meaning.items():
         for statement in (first, *repeats) if meaning not in LENGTHS else ():
             if statement.value != statement.value:
-                raise InputFileError(f"{statement}: {_AMBIGUOUS}; correct one of them")
+                raise refusal("ambiguous", statement=statement, why=_AMBIGUOUS)
             if meaning not in _REPEATED and not _agree((first, 1), (statement, 1)):
-                raise InputFileError(f"{first}, {statement}: they do not agree; correct one of them")
+                raise refusal("no agreement", first=first, second=statement)
 
 
 def contradiction(by_meaning: Stated, shape: tuple[int, int]) -> str:

@@ -13,15 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from roughcontact.arguments.quantities import counted_noun
-from roughcontact.errors import InputFileError
-from roughcontact.io.guards import brief, check_count, check_points, refusal
+from roughcontact.io.guards import brief, check_count, check_points, refusal, sentence
 from roughcontact.io.text.columns import WIDE_TABLE, is_heading
 from roughcontact.io.text.header import LENGTHS, Stated, statements
 from roughcontact.io.units import is_length
 from roughcontact.io.vocabulary import meanings, words
 
 COMMENT_SIGNS = "#%;!\\*/"  # at the beginning of a line
-WITHOUT_THOUSANDS = "write the numbers without separators of thousands"
 _FORTRAN = re.compile(r"^([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)$")  # double precision, 1.5D-03
 # between the thousands of a number with decimals, and of one that is a cell
 _GROUPS = {mark: re.compile(rf"(?<=\d)[{mark}](?=\d{{3}}(?:[{mark}]\d{{3}})*[.,]\d)") for mark in ".,"}
@@ -168,7 +166,7 @@ def _cut_number(body: list[str], delimiter: str | None, text: str, last_line: in
     forms = [tuple(map(len, re.split("[.,]|[eEdD][-+]?", cell)[1:])) for cell in (*peers, last)]
     wrong = f"line {last_line} ends the file in {last!r}, without the end of a line"
     if len({*forms[:-1]}) == 1 and forms[0] and forms[-1] != forms[0]:
-        raise InputFileError(f"{wrong} and all digits of the others: it was cut off; complete it")
+        raise refusal("cut number", wrong=wrong)
     *digits, last_digits = (len(re.sub(r"\D", "", cell)) for cell in (*peers, last))
     return [f"{wrong}: if the file was cut off, complete that number"] if last_digits < min(digits) else []
 
@@ -681,8 +679,7 @@ def thousands(by_meaning: Stated, body: list[str], dialect: Dialect) -> list[str
     example = next(iter(examples[True].values()))
     if conflict := examples[True].keys() & examples[False].keys():
         raise refusal("thousands or decimals", one=example, other=examples[False][min(conflict)], sign=sign)
-    doubt = f"every number has three digits behind its {sign!r}, as in {example!r}: it is read as the decimal"
-    return [f"{doubt} sign; if it separates thousands, {WITHOUT_THOUSANDS}"]
+    return [sentence("decimals or thousands", sign=sign, example=example)]
 
 
 def _refuse_both_marks(body: list[str]) -> None:
