@@ -1685,6 +1685,12 @@ class TestForm:
         assert reason not in page.html()
         assert not re.search('id="start"[^>]* aria-disabled', page.html())
 
+    def test_a_further_field_takes_the_focus_once(self):
+        page = Page()
+        field = '<input id="contact.mean_pressure.1"[^>]* autofocus'
+        assert re.search(field, page.after({"page.more": "contact.mean_pressure.1"}))
+        assert "autofocus" not in page.html()  # news while the run goes on
+
     def test_columns_are_explained_by_columns_not_by_options(self, tmp_path):
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tmeasured/one.x3p\n")
         page = Page().first()

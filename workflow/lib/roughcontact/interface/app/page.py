@@ -25,7 +25,7 @@ class Page:
     def __init__(self) -> None:
         self.texts: dict[str, str] = {}  # of the settings, by dotted names
         self.rows: list[study.Row] = []
-        self.job = self.look = self.more = ""  # the question, a row that is looked at, a field to begin with
+        self.job = self.look = ""  # the question, and the row that is looked at
         self.problem = self.added = self.saved = ""  # messages
         self.aside: dict[str, str] = {}  # loads of another question
         self.omitted: list[study.Row] = []  # rows that were left out last
@@ -47,9 +47,9 @@ class Page:
         action, job, texts = form.get("page.do", ""), form.get("page.job", self.job), self.texts
         if job in study.JOBS and job != self.job:
             texts = study.texts_for(job, texts, self.aside)
-        self.look, self.more = form.get("page.look", self.look), form.get("page.more", "")
+        self.look, more = form.get("page.look", self.look), form.get("page.more", "")
         texts = texts | {name: text for name, text in form.items() if not name.startswith(("rows.", "page."))}
-        texts |= {self.more: ""} if self.more else {}
+        texts |= {more: ""} if more else {}
         cells = defaultdict[int, study.Row](dict)
         for _, number, column in (name.split(".", 2) for name in form if name.startswith("rows.")):
             cells[int(number)][column] = form[f"rows.{number}.{column}"]
@@ -66,7 +66,7 @@ class Page:
             if self.checked["mistakes"] or 0 < len(rows) == self.unread():
                 raise SettingsError("nothing is started: correct first what is listed under 4 Run")
             self.run.start()
-        return self.html()
+        return self.html(more=more)
 
     def _rows_after(self, action: str, form: Mapping[str, str], rows: list[study.Row]) -> list[study.Row]:
         """Return the rows after the action of a button."""
@@ -101,11 +101,12 @@ class Page:
         read = sum(reading.done() for reading in self.reader.readings.values())
         return f"{hash(repr((self.revision, read, self.run.state(), reports))):x}"
 
-    def html(self) -> str:
-        """Return the page."""
+    def html(self, *, more: str = "") -> str:
+        """Return the page, with a further field of a list, if any, to begin with."""
         news, rows = self.news(), self.reader.inspected(self.rows)  # what comes meanwhile is news
         config = fields.grouped(self.texts)
-        return self.filled("page", news=news, rows=rows, config=config, screen=self.run.state())
+        variables = {"news": news, "rows": rows, "config": config, "more": more}
+        return self.filled("page", screen=self.run.state(), **variables)
 
     def with_bar(self, report: Path, home: str) -> str:
         """Return a page of the results below the bar of this one, which lies at `home`."""
