@@ -10,6 +10,7 @@ from roughcontact.arguments.quantities import number
 from roughcontact.evaluation.courses import FEW_STEPS, WORN, Face, worn_in_a_run
 from roughcontact.report.courses import course_sections
 from roughcontact.results.storage import write_dataset
+from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.scales import to_scale
 from roughcontact.uncertainty.subwindows import levelled_parts
 
@@ -29,7 +30,8 @@ def settings(window, *, factor=1.0):
     }
     contact = {"contact_modulus": 1e9, "bodies": None, "hardness": None, "influence": "sampled"}
     contact |= {"zero_frequency": "zero"}
-    return {"wear": wear, "contact": contact, "statistics": {"flow": "never"}, "instrument": {}}
+    sources = {"wear": wear, "uncertainty": {"sources": [*SOURCES]}}
+    return sources | {"contact": contact, "statistics": {"flow": "never"}, "instrument": {}}
 
 
 @pytest.fixture(scope="module")

@@ -16,6 +16,7 @@ from roughcontact.results.storage import write_dataset
 from roughcontact.surface.faces.placing import overview_with_place
 from roughcontact.surface.window.transfer import corrected as window_corrected
 from roughcontact.surface.window.transfer import transfer
+from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.scales import to_scale
 from roughcontact.uncertainty.subwindows import levelled_parts
 
@@ -40,12 +41,30 @@ def settings(highest=1e7):
         "sliding": {"speed": SPEEDS, "direction": 0.0},
         "statistics": {"friction": {"shear_strength": 1e6}, "seal": None},
         "instrument": {},
+        "uncertainty": {"sources": [*SOURCES]},
     }
 
 
 @pytest.fixture(scope="module")
 def slid():
     return slid_in_a_run(Face(face()), settings(), mean_pressure=LOAD)
+
+
+def test_the_sources_that_are_asked_for_add_up(slid):
+    """On the logarithm by their squares; of none there is no interval."""
+    full = settings()
+
+    def upper(*sources):
+        asked = full | {"uncertainty": {"sources": [*sources]}}
+        course = slid_in_a_run(Face(face()), asked, mean_pressure=LOAD)
+        return np.log(course[f"{FRICTION}_upper"].values / course[FRICTION].values)
+
+    assert np.isnan(upper()).all()
+    asked = ("solver", "discretisation", "window", "material")
+    alone = [upper(source) for source in asked]
+    assert all((width > 0).all() for width in alone[:3])  # the table of the relaxation leaves nothing out
+    np.testing.assert_allclose(np.sqrt(np.sum(np.square(alone), axis=0)), upper(*asked), rtol=1e-9)
+    np.testing.assert_allclose(np.log(slid[f"{FRICTION}_upper"] / slid[FRICTION]), upper(*asked), rtol=1e-9)
 
 
 def test_the_interval_holds_other_faces_of_the_same_finish(slid):

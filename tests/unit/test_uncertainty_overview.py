@@ -59,6 +59,20 @@ def test_it_moves_the_gap_towards_that_of_the_other_places_and_narrows_it(field,
     assert ((low < truth) & (truth < high)).all()
 
 
+def test_a_joint_that_flows_touches_at_least_on_load_over_hardness(field):
+    around = np.pad(np.ones((96, 96)), 96, constant_values=3.0)  # rougher than the map
+    load, hardness = 5e6, 5e7
+    found = rc.evaluate(
+        field[PLACE],
+        overview=(field * around).coarsen(y=3, x=3).mean(),
+        uncertainty={"sources": ["window"]},
+        contact={"contact_modulus": 1e9, "mean_pressure": [load], "hardness": hardness},
+    )
+    joint = found["relative_contact_area_joint"].item()
+    assert joint >= load / hardness * (1 - 1e-12)
+    assert found["relative_contact_area_joint_lower"].item() <= joint * (1 + 1e-12)
+
+
 def test_the_joint_as_large_as_the_overview_is_an_answer_of_its_own(field, answers):
     _, both = answers
     loads = {"contact_modulus": 1e9, "mean_pressure": both["mean_pressure"].values}

@@ -35,8 +35,7 @@ def test_sliding_goes_from_the_settings_to_the_page(tmp_path, checkout):
     slid = read_dataset(project.path("results/rubber/ground/sliding.nc"))
     assert slid["speed"].values.tolist() == [1e-4, 1e-2, 1.0]
     assert float(slid["mean_pressure"]) == 5e4  # the largest load
-    assert (slid[f"{FRICTION}_lower"] <= slid[FRICTION]).all()
-    assert (slid[FRICTION] <= slid[f"{FRICTION}_upper"]).all()
+    assert slid[f"{FRICTION}_lower"].isnull().all()  # without sources of the ±
     answer = read_summary(project.path("results/rubber/ground/panel.html"))["answer"]
     assert answer.startswith("At 50.0 kPa the friction of the hysteresis is highest at ")
     assert ". At rest, at 50.0 kPa: contact area " in answer

@@ -9,7 +9,7 @@ from roughcontact.report.summary import read_summary
 
 CONTACT = {"contact_modulus": "100 GPa", "mean_pressure": ["20 MPa", "100 MPa"]}
 WEAR = {"coefficient": "1e-7 mm³/(N m)", "distance": ["1 mm", "10 mm", "100 mm"]}
-CASES = {"plain": {}, "worn": {"wear": WEAR}}
+CASES = {"plain": {}, "worn": {"wear": WEAR, "uncertainty": {"sources": ["discretisation"]}}}
 COATED = {"youngs_modulus": "115 GPa", "poissons_ratio": 0.3}
 COATED |= {"layers": [{"thickness": "1 nm", "youngs_modulus": "200 GPa", "poissons_ratio": 0.2}]}
 

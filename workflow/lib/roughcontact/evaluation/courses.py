@@ -1,17 +1,18 @@
 """What a run solves over a distance or a speed: a face that wears, rubber that slides, each with its ±.
 
-The sources, on the scale of each answer, added by their squares: twice what pixels
-half as large change, what the instrument does, and both ends of stated loads, moduli, hardness and scales, on
-one part; and the scatter of the parts of the window, each by itself.
+The `uncertainty.sources` that the settings name, on the scale of each answer, added by their squares: twice
+what pixels half as large change, what the instrument does, and both ends of stated loads, moduli, hardness
+and scales, on one part; and the scatter of the parts of the window, each by itself.
 
-Of wear, what half as many steps and a solver of ten times the tolerance change, which the bound of the
-heights does not say of a contact area. The wear coefficient counts only through its product with the
-distance, so that its range moves the axis of distances alone, and with it the distance at which the face is
-run in.
+Of wear, as its solver, what half as many steps and a solver of ten times the tolerance change, which the
+bound of the heights does not say of a contact area. The wear coefficient counts only through its product with
+the distance, so that its range moves the axis of distances alone, and with it the distance at which the face
+is run in.
 
-Of sliding, the bound of the solver, of the friction alone; what the places of an overview change; and the
-share of the friction at frequencies beyond the table of the relaxation, as if nothing were known there. Waves
-that the map does not resolve are not in it: `friction_share_of_octave` shows what the shortest ones carry.
+Of sliding, the bound of the solver, of the friction alone; what the places of an overview change; and, as the
+material, the share of the friction at frequencies beyond the table of the relaxation, as if nothing were
+known there. Waves that the map does not resolve are not in it: `friction_share_of_octave` shows what the
+shortest ones carry.
 """
 
 import math
@@ -35,9 +36,16 @@ from roughcontact.statistics.sliding import BY_AREA, sliding_friction
 from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.surface.window.transfer import undone
 from roughcontact.uncertainty import combination
+from roughcontact.uncertainty.budget import OF_MATERIAL
 from roughcontact.uncertainty.combination import Component, Components, half_widths, symmetric
 from roughcontact.uncertainty.ensemble import Result
-from roughcontact.uncertainty.inputs import HARDNESS, INPUTS, instrument_components, varied
+from roughcontact.uncertainty.inputs import (
+    HARDNESS,
+    INPUTS,
+    add_correction_source,
+    instrument_components,
+    varied,
+)
 from roughcontact.uncertainty.overview import windows_elsewhere
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import to_scale
@@ -76,9 +84,11 @@ def worn_in_a_run(face: Face, settings: Sections, *, mean_pressure: float, threa
     run: Run = partial(run_in, threads=threads, **arguments)
     coarse = partial(run, statistics=_ANSWERS_ALONE, **FEW_STEPS)
     worn = run(face.window, tolerance=TOLERANCE, statistics=settings["statistics"])
-    of_steps = on_scales(coarse(face.window), WORN) - on_scales(worn, WORN)
     causes = causes_of_parts(face, coarse, WORN, settings)
-    worn = with_ends(worn, [components_of(symmetric, abs(of_steps)), *causes])
+    if "solver" in settings["uncertainty"]["sources"]:
+        of_steps = on_scales(coarse(face.window), WORN) - on_scales(worn, WORN)
+        causes.append(components_of(symmetric, abs(of_steps)))
+    worn = with_ends(worn, WORN, causes)
     worn[f"{DISTANCE}_lower"] /= wear["coefficient_factor"]
     worn[f"{DISTANCE}_upper"] *= wear["coefficient_factor"]
     return describe(worn)
@@ -103,10 +113,12 @@ def slid_in_a_run(face: Face, settings: Sections, *, mean_pressure: float, threa
     )
     coarse = partial(run, tolerance=COARSE, fields=False)
     causes = causes_of_parts(face, coarse, SLID, settings)
-    shares = slid["hysteretic_friction_bound"] / slid[FRICTION], slid["friction_share_beyond_table"]
-    causes += [{FRICTION: symmetric(share.values)} for share in shares]
-    causes += causes_of_places(face, coarse, SLID)
-    slid = with_ends(slid, causes)
+    bound = slid["hysteretic_friction_bound"] / slid[FRICTION]
+    shares = {"solver": bound, "material": slid["friction_share_beyond_table"]}
+    sources = settings["uncertainty"]["sources"]
+    causes += [{FRICTION: symmetric(share.values)} for source, share in shares.items() if source in sources]
+    causes += causes_of_places(face, coarse, SLID) if "window" in sources else []
+    slid = with_ends(slid, SLID, causes)
     if BY_AREA in slid:
         by_area = [slid[BY_AREA] * (slid[f"{AREA}{suffix}"] / slid[AREA]) for suffix in ENDS]
         bounds = widened(by_area, ends(1.0, friction.get("shear_strength_uncertainty")))
@@ -114,11 +126,13 @@ def slid_in_a_run(face: Face, settings: Sections, *, mean_pressure: float, threa
     return describe(slid)
 
 
-def with_ends(course: xr.Dataset, causes: Iterable[Components]) -> xr.Dataset:
-    """Return a course with both ends of its answers, by the independent causes of their ±."""
-    for name, total in combination.sum_of_causes(causes).items():
-        bounds = combination.interval_bounds(name, to_scale(name, course[name].values), total)
-        course = with_bounds(course, name, bounds)
+def with_ends(course: xr.Dataset, names: Iterable[str], causes: Iterable[Components]) -> xr.Dataset:
+    """Return a course with both ends of these answers, by the independent causes of their ±; NaN without."""
+    totals = combination.sum_of_causes(causes)
+    for name in names:
+        value = to_scale(name, course[name].values)
+        total = totals.get(name, np.full((4, *value.shape), np.nan))
+        course = with_bounds(course, name, combination.interval_bounds(name, value, total))
     return course
 
 
@@ -162,14 +176,19 @@ def causes_of_parts(face: Face, run: Run, names: Sequence[str], settings: Sectio
     names : sequence of str
         the answers.
     settings : mapping
-        sections `contact` and `instrument` of the settings.
+        sections `contact` and `instrument` of the settings, and of `uncertainty` the `sources`.
     """
+    if not (sources := add_correction_source(settings["uncertainty"]["sources"], face.window)):
+        return []
     parts = levelled_parts(face.window)
     part, instrument = parts[0], stated_instrument(face.window, settings["instrument"])
-    courses = [run(piece) for piece in parts]
+    courses = [run(piece) for piece in (parts if "window" in sources else parts[:1])]
     on_parts = [on_scales(course, names) for course in courses]
-    causes = [components_of(symmetric, 2 * abs(on_scales(run(refined(part, 2)), names) - on_parts[0]))]
-    if len(parts) > 1:
+    causes = []
+    if "discretisation" in sources:
+        finer = on_scales(run(refined(part, 2)), names)
+        causes.append(components_of(symmetric, 2 * abs(finer - on_parts[0])))
+    if len(courses) > 1:
         scatter = scatter_of_mean(on_parts)
         # the largest pressure is that of one part, and scatters as in one; all others are means
         causes.append(components_of(symmetric, scatter.assign({PEAK: math.sqrt(len(parts)) * scatter[PEAK]})))
@@ -180,10 +199,11 @@ def causes_of_parts(face: Face, run: Run, names: Sequence[str], settings: Sectio
     def solve(window: xr.DataArray, *_: Any, **__: Any) -> dict[str, np.ndarray]:
         return values_of(run(window))
 
-    result = Result(part, {"mean_pressure": np.nan}, values_of(courses[0]), solve)
-    measured_part = None if face.as_measured is None else levelled_parts(face.as_measured)[0]
-    causes += instrument_components(result, instrument, measured_part, undone(part, instrument))[0]
-    for key in INPUTS:
+    if "instrument" in sources:
+        result = Result(part, {"mean_pressure": np.nan}, values_of(courses[0]), solve)
+        measured_part = None if face.as_measured is None else levelled_parts(face.as_measured)[0]
+        causes += instrument_components(result, instrument, measured_part, undone(part, instrument))[0]
+    for key in (key for key in INPUTS if OF_MATERIAL.get(key, "instrument") in sources):
         factors = ends(1.0, settings["contact"].get(name_of_range(key)) or instrument.get(key))
         # nothing in a rubber flows
         if factors[0] < factors[1] and (key != HARDNESS or HARDNESS in run.keywords):

@@ -98,7 +98,8 @@ def interval_columns(
             prefix = name if key == "surface" else f"{name}_{key}"
             columns |= {f"{prefix}_lower": ("load", lower), f"{prefix}_upper": ("load", upper)}
         if scatter and name in scatter.joint:
-            joint = from_scale(name, centres[name] + scatter.joint[name])
+            centre = centres[name] + scatter.joint[name]
+            joint = from_scale(name, area_for_the_load(result, {AREA: centre}) if name == AREA else centre)
             columns[f"{name}_{JOINT}"] = "load", np.where(np.isnan(joint), value, joint)
         if name in (*CORRECTED, PRESSURE, *(scatter.shift if scatter else ())):
             columns[f"{name}_as_solved"] = ("load", plain)

@@ -157,7 +157,8 @@ def divided(region: Slices, step: tuple[float, float], number: int, shortest: fl
 
     def score(cut: Iterable[int]) -> tuple[float, tuple[int, ...]]:
         lengths = [n * s / k for n, s, k in zip(sides, step, cut, strict=True)]
-        return math.prod(cut) * (1.0 if 1 in sides else min(lengths) / max(lengths)), tuple(cut)
+        squareness = 1.0 if 1 in sides else min(lengths) / max(lengths)
+        return round(math.prod(cut) * squareness, 9), tuple(cut)  # equal ones differ by rounding
 
     pairs = product(*(range(1, min(number, limit) + 1) for limit in limits))
     best = max((cut for cut in pairs if math.prod(cut) <= number), key=score)

@@ -621,7 +621,7 @@ class Uncertainty(Section):
         default_factory=lambda: list(get_args(choices.UncertaintySource)),
         max_length=len(get_args(choices.UncertaintySource)),
     )
-    """list of the sources of the ±, but of wear and sliding; the empty list [] omits the error budget"""
+    """list of the sources of the ±; the empty list [] omits the error budget"""
     windows: Count = Field(default=9, ge=4, le=400)
     """number of subwindows that are solved separately, for the source window"""
 

@@ -19,11 +19,12 @@ SECTIONS: dict[str, tuple[str, ...]] = {
     "uncertainty": ("level", "window", "contact", "uncertainty", "instrument"),
     "statistics": ("level", "window", "contact", "uncertainty", "instrument", "statistics"),
 }
+_COURSE = ("level", "window", "contact", "statistics", "instrument", "uncertainty")
 # files that follow the contact, which no other case shares: the setting that asks for each, and its sections
 AFTER = {
     "residual": ("contact", "unload", ("level", "window", "contact", "statistics")),
-    "worn": ("wear", "coefficient", ("level", "window", "contact", "statistics", "wear", "instrument")),
-    "sliding": ("sliding", "speed", ("level", "window", "contact", "statistics", "sliding", "instrument")),
+    "worn": ("wear", "coefficient", (*_COURSE, "wear")),
+    "sliding": ("sliding", "speed", (*_COURSE, "sliding")),
 }
 
 
