@@ -98,6 +98,12 @@ def test_the_height_of_one_step_counts_whole_numbers(read, refused, line):
     refused(f"{STEPS}{line}\n{cells(ONE)}", "does not say the unit of its heights .*line 3 says")
 
 
+def test_the_height_of_one_step_is_none_of_the_steps_of_the_user(refused):
+    """Its line was a doubt about the steps, and answered with them."""
+    answers = {"dx": "1 um", "dy": "1 um", "height_unit": "nm"}
+    refused(f"1 passo = 10 nm\n{cells(np.round(100 * ONE))}", "all heights are whole numbers", **answers)
+
+
 @pytest.mark.parametrize(
     "line", ["Scale factor: 0.1 nm", "z_scale = 0.1 nm", "Skalierung: 0,1", "gain: 100", "Множитель: 0.1"]
 )

@@ -6,8 +6,8 @@ import xarray as xr
 
 import roughcontact as rc
 from roughcontact import HeightMapError, self_affine_surface
-from roughcontact.io.read import read_overview
 from roughcontact.surface.faces.placing import overview_with_place, recorded_place
+from roughcontact.surface.preparation.region import read_overview
 from roughcontact.uncertainty.calibration import overview_arms, table
 from roughcontact.uncertainty.combination import uncertainty_table
 from roughcontact.uncertainty.differences import compare_maps

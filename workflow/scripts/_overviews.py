@@ -6,9 +6,9 @@ from _job import save, say, snakemake
 from xarray import DataArray
 
 from roughcontact.errors import RoughContactError
-from roughcontact.io.read import read_overview
 from roughcontact.surface.faces.placing import joined_overviews, place_in_words
 from roughcontact.surface.preparation import preparation_of
+from roughcontact.surface.preparation.region import read_overview
 
 
 def write_overviews(

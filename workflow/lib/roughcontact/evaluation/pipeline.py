@@ -21,7 +21,6 @@ from roughcontact.evaluation.creep import with_creep
 from roughcontact.evaluation.kinds import kind_of
 from roughcontact.evaluation.kinds.periodic_map import STATED_LOADS, SolvedMap
 from roughcontact.evaluation.requirement import with_largest_roughness
-from roughcontact.io.read import read_overview
 from roughcontact.results.storage import provenance, written_load_by_load
 from roughcontact.statistics.allowed import with_allowed
 from roughcontact.statistics.checks import add_verdicts
@@ -31,6 +30,7 @@ from roughcontact.statistics.precision import add_precision
 from roughcontact.statistics.subsurface import add_subsurface_yield
 from roughcontact.statistics.targets import add_first_yield
 from roughcontact.surface.preparation.periodic_map import Settings
+from roughcontact.surface.preparation.region import read_overview
 from roughcontact.surface.window.band import lateral_period_limit
 from roughcontact.surface.window.instrument import stated_instrument
 from roughcontact.uncertainty.budget_inputs import budget_inputs, constrictions_in_grooves

@@ -90,8 +90,7 @@ def convert(file: MeasuredFile, request: Request) -> Converted:
 
 def _drop_markers(channel: Channel, request: Request) -> tuple[Channel, list[str]]:
     """Return a channel without the numbers that mark missing points by the user, and how often they occur."""
-    markers = marker_values(request.missing_value)
-    if not markers:
+    if not (markers := marker_values(request.missing_value)):
         return channel, []
     values, points = np.array(channel.read(), dtype=float), channel.points
     is_marker = np.any([np.isclose(values, marker, rtol=1e-6, atol=0.0) for marker in markers], axis=0)
@@ -128,7 +127,6 @@ def _checked(heights: np.ndarray) -> np.ndarray:
         raise HeightMapError("the map has a single point; a map or a profile needs at least two")
     if not np.isfinite(heights).any():
         raise HeightMapError(f"all {heights.size} points of the map are missing; check the channel")
-    largest = np.nanmax(np.abs(heights))
-    if largest > _MAX_HEIGHT:
+    if (largest := np.nanmax(np.abs(heights))) > _MAX_HEIGHT:
         raise refusal("no measured heights", HeightMapError, largest=largest)
     return heights

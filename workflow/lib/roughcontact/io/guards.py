@@ -175,8 +175,7 @@ def check_count(channels: int) -> None:
 
 def check_memory(size: float, data_name: str) -> None:
     """Refuse to read data that need more memory (bytes) than this computer has."""
-    total = memory_bytes()
-    if total is not None and size > total:
+    if (total := memory_bytes()) is not None and size > total:
         raise refusal("memory", data=data_name, required=size / 2**30, total=total / 2**30)
 
 

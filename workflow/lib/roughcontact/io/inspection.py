@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,15 +17,28 @@ from roughcontact.io.request import Request
 _LARGE = 2**24  # points
 
 
-def inspect_file(path: str | Path, **arguments: Any) -> dict:
+def inspect_file(
+    path: str | Path,
+    *,
+    channel: str | None = None,
+    dx: float | str | None = None,
+    dy: float | str | None = None,
+    unit: str | None = None,
+    height_unit: str | None = None,
+    resample: str | None = None,
+    checksum: str | None = None,
+    first_row: str | None = None,
+    missing_value: float | str | None = None,
+    ignore_lines: int | str | None = None,
+    lay: str | None = None,
+) -> dict:
     r"""Return the content of a file, without asking for missing units.
 
     Parameters
     ----------
     path : str or Path
-    **arguments
-        `channel`, `dx`, `dy`, `unit`, `height_unit`, `resample`, `checksum`, `first_row`, `missing_value`,
-        `ignore_lines` and `lay`, as for `read_height_map`.
+    channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, ignore_lines, lay
+        As for `read_height_map`.
 
     Returns
     -------
@@ -65,15 +77,18 @@ def inspect_file(path: str | Path, **arguments: Any) -> dict:
     4e-06
     >>> folder.cleanup()
     """
-    return inspect_heights(Path(path), Request(**arguments))[0]
+    request = Request(
+        channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, ignore_lines, lay
+    )
+    return inspect_heights(Path(path), request)[0]
 
 
 def inspect_heights(path: Path, request: Request) -> tuple[dict, np.ndarray | None]:
     """Return the content of a file, and the heights (ny, nx; m) of `read_height_map`, None where it fails."""
     with naming(path), closing(open_file(path)) as file:
         content = {"file": path.name, "bytes": path.stat().st_size, "sha256": sha256(path)}
-        names = ("format", "first_row", "first_row_assumed", "instrument")
-        content |= {key: getattr(file, key) for key in names}
+        content |= {"format": file.format, "first_row": file.first_row}
+        content |= {"first_row_assumed": file.first_row_assumed, "instrument": file.instrument}
         map_content, heights = _map(path, request, file)
         channels = list(_descriptions(file.channels, path, chosen=map_content["channel"]))
     return content | map_content | {"channels": channels}, heights

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,7 +16,7 @@ import xarray as xr
 from roughcontact.arguments.measurement import Instrument, attributes_of_record
 from roughcontact.errors import InputFileError
 from roughcontact.io.conversion import convert
-from roughcontact.io.guards import naming, refusal, sha256, unchanged
+from roughcontact.io.guards import naming, sha256, unchanged
 from roughcontact.io.registry import open_file
 from roughcontact.io.request import Request
 
@@ -126,16 +125,6 @@ def read_height_map(
     return height.assign_attrs(facts if request.lay is None else {"lay": request.lay} | facts)
 
 
-def read_overview(path: str | Path, **arguments: Any) -> xr.DataArray:
-    """Read a coarser map around another one, as `read_height_map`; its file has to say its size."""
-    try:
-        return read_height_map(path, **arguments)
-    except InputFileError as error:
-        if not {"dx", "dy"} & {*error.keys}:
-            raise
-        raise refusal("overview", finding=str(error).partition("; give ")[0]) from error
-
-
 def _read(path: Path, request: Request) -> xr.DataArray:
     """Return the height map of a file."""
     # the digest is taken within: it is that of the bytes that were read
@@ -153,12 +142,11 @@ def _read(path: Path, request: Request) -> xr.DataArray:
     missing = int(np.isnan(result.heights).sum())
     source = {"source_file": path.name, "source_sha256": digest, "source_format": file.format}
     channels = {"channel": result.channel.name, "channels": [channel.name for channel in file.channels]}
-    instrument_record = {"instrument": dict(sorted(file.instrument.items()))}
-    rows = {"first_row": result.first_row, "first_row_assumed": int(result.first_row_assumed)}
+    instrument = {"instrument": dict(sorted(file.instrument.items())), "ingest_sources": result.sources}
+    rows = {"y_axis": "up", "first_row": result.first_row, "first_row_assumed": int(result.first_row_assumed)}
     points = {"missing_points": missing, "missing_share": missing / result.heights.size}
     findings = {"ingest_warnings": notes, "ingest_facts": facts, "ingest_spikes": spikes}
-    record = {"units": "m", **source, **channels, **instrument_record, **rows, **points, **findings}
-    record |= {"ingest_sources": result.sources, "y_axis": "up"}
+    record = {"units": "m", **source, **channels, **instrument, **rows, **points, **findings}
     coordinates = {"x": ("x", x, {"units": "m"}), "y": ("y", y, {"units": "m"})}
     return xr.DataArray(result.heights, coordinates, ("y", "x"), "height", attributes_of_record(record))
 

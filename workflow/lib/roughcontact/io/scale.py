@@ -59,8 +59,7 @@ def given_step(name: str, request: Request) -> float | None:
     >>> [given_step(name, Request(dx="1.5 um", dy=2.0, unit="mm")) for name in ("dx", "dy")]
     [1.5e-06, 0.002]
     """
-    value = getattr(request, name)
-    if value is None:
+    if (value := getattr(request, name)) is None:
         return None
     number = check_positive(name, convert_quantity("m", name, value), unit=request.unit or "m")
     if carries_unit(value):

@@ -127,8 +127,6 @@ def _count_beyond(heights: np.ndarray, limits: Sequence[float]) -> int:
     >>> _count_beyond(np.array([0.1, 0.2, 0.3, 9.0]), [5.0]), _count_beyond(np.arange(5.0), [1, 3])
     (1, 2)
     """
-    if not limits:
-        return 0
     outside = [np.count_nonzero(heights < min(limits)), np.count_nonzero(heights > max(limits))]
     return int(min(outside) if len(limits) == 1 else sum(outside))
 
@@ -141,8 +139,7 @@ def _number_alone(text: str) -> float:
     >>> [_number_alone(text) for text in ("bad points are -9999", "Force: 5 nN", "Operator: user1")]
     [-9999.0, nan, nan]
     """
-    *_, last = (math.nan, *(number[0] for number in _ALONE.finditer(text.replace(",", "."))))
-    return float(last)
+    return float([math.nan, *(number[0] for number in _ALONE.finditer(text.replace(",", ".")))][-1])
 
 
 def marker_of(text: str) -> float:
@@ -244,7 +241,7 @@ def lines_not_used(
         is_scaled = "scaled" in matters and not {*values} <= {0.0, 1.0}
         is_limit = matters >= {"limit", "validity"} and "lateral" not in matters and "%" not in text
         limits = [length.value / height_factor for length in with_number] or values
-        beyond_count = _count_beyond(finite, limits) if is_limit else 0
+        beyond_count = _count_beyond(finite, limits) if is_limit and limits else 0
         marker = _number_alone(text)
         may_be_marker = "marker" in matters or (not elsewhere and marker in strange_levels)
         marker_count = int(np.count_nonzero(finite == marker)) if may_be_marker else 0

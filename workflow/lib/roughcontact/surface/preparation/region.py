@@ -13,13 +13,26 @@ from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.measurement import add_remark
 from roughcontact.arguments.quantities import counted_noun, percent, quantity
 from roughcontact.arguments.rectangles import Rectangle, parse_rectangles
-from roughcontact.errors import HeightMapError
+from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.read import read_height_map
 
 
 def read_region(path: str | Path, *, crop: str = "", mask: str = "", **arguments: Any) -> xr.DataArray:
     """Return what is used of the map of a file (y, x; m); `arguments` are those of `read_height_map`."""
     return used_region(read_height_map(path, **arguments), crop=crop, mask=mask)
+
+
+def read_overview(path: str | Path, **arguments: Any) -> xr.DataArray:
+    """Read a coarser map around another one, as `read_height_map`; its file has to say its size."""
+    try:
+        return read_height_map(path, **arguments)
+    except InputFileError as error:
+        if not {"dx", "dy"} & {*error.keys}:
+            raise
+        finding, _, _ = str(error).partition("; give ")
+        way_out = "write lines before the heights, # Width: 300 um, # Height: 200 um, # Value units: um"
+        wrong = f"{finding}; the size of an overview is stated in its file"
+        raise InputFileError(f"{wrong}: {way_out}, or save it in a format that has them") from error
 
 
 def used_region(height: xr.DataArray, *, crop: str = "", mask: str = "") -> xr.DataArray:
