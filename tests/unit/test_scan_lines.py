@@ -156,9 +156,7 @@ def test_small_and_flat_maps_have_no_scars():
 
 
 def test_options_without_meaning():
-    with pytest.raises(
-        SettingsError, match=r"level\.line_alignment = 'matched': did you mean 'matched-steps'"
-    ):
+    with pytest.raises(SettingsError, match=r"line_alignment = 'matched': did you mean 'matched-steps'"):
         level(rough(), line_alignment="matched")
     with pytest.raises(SettingsError, match=r"level\.scar_threshold = 0: give a positive number, or null"):
         level(rough(), scar_threshold=0)

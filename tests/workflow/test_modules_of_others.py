@@ -70,19 +70,12 @@ def test_the_page_imports_nothing_of_the_study(study):
     """Neither it itself nor the run and the exports that it starts; maps and report are drawn."""
     program, variables = [PROGRAMS / "roughcontact"], {**os.environ}
     variables.pop("PYTHONSAFEPATH", None)
-    settings = {
-        "contact.contact_modulus": "1 GPa",
-        "contact.relative_pressure": "0.05",
-        "surfaces": "surfaces.tsv",
-    }
-    row = {"surface": "ground", "path": "measured/ground.npy", "unit": "um", "dx": "2", "dy": "1"}
-    form = settings | {f"rows.0.{name}": cell for name, cell in row.items()} | {"page.path": "measured"}
     with served(study, program=program, cwd=study, env=variables) as address:
         press = opened(address)
-        assert press("check", form)[0] == 200
-        assert "2 added" in press("add", form)[1]
-        assert press("start", form)[0] == 200
-        in_time(lambda: 'id="state" role="status">done' in press("state", form)[1], seconds=300)
+        assert "1 added, 2 there already" in press({"page.path": "measured"}, "add")[1]  # which is ticked
+        assert press({"rows.1.ticked": "on"}, "remove")[0] == 200  # with the map without a point
+        assert press({}, "start")[0] == 200
+        in_time(lambda: 'id="state" role="status">done' in press({})[1], seconds=300)
         assert executed(study) == []
         for name in ("methods", "table", "crate", ".xlsx", ".png"):
             with urlopen(f"{address}export?result=ground&form={name}") as answer:
