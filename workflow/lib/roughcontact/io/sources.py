@@ -139,7 +139,7 @@ def _number_alone(text: str) -> float:
     >>> [_number_alone(text) for text in ("bad points are -9999", "Force: 5 nN", "Operator: user1")]
     [-9999.0, nan, nan]
     """
-    return float([math.nan, *(number[0] for number in _ALONE.finditer(text.replace(",", ".")))][-1])
+    return [math.nan, *(float(number[0]) for number in _ALONE.finditer(text.replace(",", ".")))][-1]
 
 
 def marker_of(text: str) -> float:
