@@ -109,7 +109,12 @@ def test_a_first_row_that_begins_with_a_missing_point_is_a_row(read):
 
 
 @pytest.mark.parametrize(
-    "text", ["z in um\nNaN\nBAD\n1.5\n2.5\n3\n", "Ra: 0,25 µm\nz in um\n?\nn/a\n1,5\n2,5\n3,0\n"]
+    "text",
+    [
+        "z in um\nNaN\nBAD\n1.5\n2.5\n3\n",
+        "Ra: 0,25 µm\nz in um\n?\nn/a\n1,5\n2,5\n3,0\n",
+        "Unit,um\n*\n*\n1.5\n2.5\n3\n",
+    ],
 )
 def test_a_column_of_heights_may_begin_with_missing_points(read, text):
     height = read(text, **GIVEN)

@@ -101,7 +101,7 @@ def test_the_height_of_one_step_counts_whole_numbers(read, refused, line):
 def test_the_height_of_one_step_is_none_of_the_steps_of_the_user(refused):
     """Its line was a doubt about the steps, and answered with them."""
     answers = {"dx": "1 um", "dy": "1 um", "height_unit": "nm"}
-    refused(f"1 passo = 10 nm\n{cells(np.round(100 * ONE))}", "all heights are whole numbers", **answers)
+    refused(f"# 1 passo = 10 nm\n{cells(np.round(100 * ONE))}", "all heights are whole numbers", **answers)
 
 
 @pytest.mark.parametrize(

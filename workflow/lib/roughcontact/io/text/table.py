@@ -231,7 +231,7 @@ def _is_row_like(line: str, row: str) -> bool:
     Above a column of numbers it is a word alone for a missing point, but no rule drawn below headings.
     """
     is_column = _parse_number(row.replace(",", ".")) is not None  # of which the comma is the decimal sign
-    if is_missing(line.strip()) and re.search(r"[^\W_]|\?", line) and is_column:
+    if is_missing(line.strip()) and re.search(r"[^\W_]|\?|^\s*\*\s*$", line) and is_column:
         return True
     signs = ";\t" if re.search(r"\d\s+[-\d]", row) else ";\t,"  # between blanks commas are decimal signs
     delimiter = next((sign for sign in signs if sign in row), None)
