@@ -120,6 +120,8 @@ def changed(index, value):
         (1e3 * rough(), "more than the field"),
         (changed((10, 20), -5e-5), "1 point lies far below all others (down to −50.0 µm"),
         (changed((5, slice(5, 8)), 4e-5), "3 points lie far above all others"),
+        (changed((1, 20), 4e-5)[:2], "1 point lies far above all others (up to 40.0 µm"),
+        (changed((1, 20), 4e-5)[:2, :32], "1 point lies far above all others (up to 40.0 µm"),
         (np.minimum(rough(), 1.5e-6), "exactly the highest height"),
         (np.maximum(rough(), -1.5e-6), "exactly the lowest height"),
         (2e-6 * np.exp(np.round(rough() / 2e-7) / 5), "different heights occur, at odd distances"),

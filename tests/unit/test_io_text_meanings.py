@@ -98,6 +98,11 @@ def test_the_height_of_one_step_counts_whole_numbers(read, refused, line):
     refused(f"{STEPS}{line}\n{cells(ONE)}", "does not say the unit of its heights .*line 3 says")
 
 
+def test_a_unit_of_lengths_is_none_of_heights(refused):
+    header = "Bildbreite = 3\nBildhöhe = 2\nLängeneinheit = um\n"
+    refused(header + cells(1e-6 * ONE), "does not say the unit of its heights")
+
+
 def test_the_height_of_one_step_is_none_of_the_steps_of_the_user(refused):
     """Its line was a doubt about the steps, and answered with them."""
     answers = {"dx": "1 um", "dy": "1 um", "height_unit": "nm"}

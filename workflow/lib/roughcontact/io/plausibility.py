@@ -50,8 +50,7 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN
         units += _slopes(height, dx, dy)
         heights = [*_levels(height, finite, low, high), *_lines(height), *_noise(height)]
     doubts += [Suspicion("units", finding) for finding in units]
-    advice = "level.outlier_threshold finds isolated ones"  # for a map as measured
-    doubts += [Suspicion("spikes", finding, advice) for finding in spikes]
+    doubts += [Suspicion("spikes", each, "level.outlier_threshold finds isolated ones") for each in spikes]
     return doubts + [Suspicion("heights", finding) for finding in heights]
 
 
@@ -118,6 +117,19 @@ def frequent_levels(heights: np.ndarray, *, least: int = 4) -> list[tuple[float,
     return [*zip(levels[is_frequent].tolist(), (counts[is_frequent] / sample.size).tolist(), strict=True)]
 
 
+def isolated_ends(heights: np.ndarray) -> list[float]:
+    """Return the lowest and the highest of heights, where it is further from all others than they span.
+
+    Examples
+    --------
+    >>> isolated_ends(np.append(np.arange(9.0), 40.0)), isolated_ends(np.arange(9.0))
+    ([40.0], [])
+    """
+    levels = np.unique(_sample(heights))
+    ends = zip(levels[[0, -1]], np.diff(levels)[[0, -1]], strict=True) if levels.size > 3 else ()
+    return [float(end) for end, gap in ends if 2 * gap > np.ptp(levels)]
+
+
 def _sample(heights: np.ndarray) -> np.ndarray:
     """Return about `_SAMPLE` of the heights, evenly taken."""
     return heights[:: max(1, heights.size // _SAMPLE)]
@@ -171,15 +183,18 @@ def _slopes(height: np.ndarray, dx: float, dy: float) -> Iterator[str]:
 
 def _extremes(heights: np.ndarray, low: float, high: float) -> Iterator[str]:
     """Suspect points far from all others."""
-    if heights.size < 100:
+    isolated = isolated_ends(heights)
+    if heights.size < (_NEIGHBOURS if isolated else 100):
         return
-    lower, upper = np.quantile(_sample(heights), _CENTRAL_QUANTILES)
+    is_far = np.isin(heights, isolated)
+    lower, upper = np.quantile(_sample(heights[~is_far] if isolated else heights), _CENTRAL_QUANTILES)
     reach = 3 * (upper - lower)
-    for count, where in (
-        (np.count_nonzero(heights < lower - reach), f"below all others (down to {quantity(low, 'm')}"),
-        (np.count_nonzero(heights > upper + reach), f"above all others (up to {quantity(high, 'm')}"),
+    is_far |= (heights < lower - reach) | (heights > upper + reach)
+    for is_side, where in (
+        (heights < lower, f"below all others (down to {quantity(low, 'm')}"),
+        (heights > upper, f"above all others (up to {quantity(high, 'm')}"),
     ):
-        if count:
+        if count := np.count_nonzero(is_far & is_side):
             points = f"{count} points lie" if count > 1 else "1 point lies"
             between = quantity(lower, "m"), quantity(upper, "m")
             yield sentence("far points", points=points, where=where, between=between)

@@ -16,7 +16,7 @@ from roughcontact.arguments.checking import marker_values
 from roughcontact.arguments.quantities import counted_noun, quantity
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile
-from roughcontact.io.plausibility import frequent_levels
+from roughcontact.io.plausibility import frequent_levels, isolated_ends
 from roughcontact.io.request import Request
 from roughcontact.io.text.header import LONGEST_QUOTE, NUMBER, SLACK, WIDEST_SLACK, number_and_rounding
 from roughcontact.io.units import is_length, metres
@@ -162,13 +162,7 @@ def conspicuous(heights: np.ndarray) -> set[float]:
     >>> sorted(conspicuous(np.append(np.arange(0.5, 100.0), [7.0, 7.0, 7.0, -999.0])))
     [-999.0, 7.0]
     """
-    if not heights.size:
-        return set()
-    levels = np.unique(heights)
-    ends, inner = (levels[0], levels[-1]), levels[1:-1]
-    gaps = ((float(end), np.min(np.abs(inner - end))) for end in ends if inner.size > 1)
-    frequent = {level for level, _ in frequent_levels(heights, least=3)}
-    return frequent | {end for end, gap in gaps if 2 * gap > np.ptp(ends)}
+    return {*isolated_ends(heights), *(level for level, _ in frequent_levels(heights, least=3))}
 
 
 def sources(file: MeasuredFile, channel: Channel, request: Request) -> dict[str, str]:
