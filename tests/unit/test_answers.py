@@ -150,7 +150,7 @@ def test_all_numbers_have_the_same_digits(result):
 
 def test_a_group_of_one_map_has_the_cells_of_the_map(result):
     answer = rc.group_statistics([result])
-    (row,) = group_rows([NamedGroup("one", None, answer)], asked=COMPARED)
+    (row,) = group_rows([NamedGroup("one", None, answer)], columns=COMPARED)
     loads = loads_of(result) if result.sizes["load"] <= 3 else None
     for cells, of_group in zip(glance_rows(result, indices=loads), row["rows"], strict=True):
         grouped = dict(zip(group_headings(COMPARED).values(), of_group, strict=True))

@@ -61,7 +61,7 @@ def test_a_group_has_its_interval_the_next_map_and_a_scatter_without_plus_minus(
         100 * areas.std(ddof=1) / areas.mean(), rel=0.01
     )
     assert "conductance" not in cells  # nobody has asked for it
-    (asked,) = group_rows([named("lapped", (0.9, 1.0, 1.1))], asked=["conductance"])
+    (asked,) = group_rows([named("lapped", (0.9, 1.0, 1.1))], columns=["conductance"])
     assert asked["rows"][0][-1] == Cell("–")  # whose maps have none
 
 
@@ -146,7 +146,7 @@ def test_pressures_at_the_hardness_have_no_interval_and_no_difference():
         named(name, gaps, hardness=5.4e7)
         for name, gaps in (("lapped", (0.9, 1.0, 1.1)), ("ground", (1.9, 2.0, 2.1)))
     ]
-    lapped, ground = group_rows(limited, asked=["max_pressure"])
+    lapped, ground = group_rows(limited, columns=["max_pressure"])
     peak = [*group_headings(["max_pressure"])].index("max_pressure")
     assert [cells[peak].details == "the hardness, taken as exact" for cells in ground["rows"]] == [True, True]
     assert [cells[peak].details == "the hardness, taken as exact" for cells in lapped["rows"]] == [

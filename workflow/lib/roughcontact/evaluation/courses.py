@@ -26,14 +26,18 @@ import xarray as xr
 from roughcontact.arguments.answers import AREA, CONDUCTANCE, ENDS, FRICTION, GAP, PEAK, PRESSURE
 from roughcontact.arguments.bodies import relaxing_body
 from roughcontact.arguments.kinds import Sections
-from roughcontact.arguments.maps import refined
+from roughcontact.arguments.maps import refined, side_lengths, spacing
 from roughcontact.arguments.ranges import ends, name_of_range
 from roughcontact.arguments.relaxation import relaxation_of
 from roughcontact.arguments.variables import describe
 from roughcontact.statistics.precision import widened
 from roughcontact.statistics.running_in import run_in
 from roughcontact.statistics.sliding import BY_AREA, sliding_friction
+from roughcontact.surface.faces.placing import measured_rectangle
+from roughcontact.surface.levelling.forms import form_order
+from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.window.instrument import stated_instrument
+from roughcontact.surface.window.periodic_window import subwindow
 from roughcontact.surface.window.transfer import undone
 from roughcontact.uncertainty import combination
 from roughcontact.uncertainty.budget import OF_MATERIAL
@@ -46,10 +50,10 @@ from roughcontact.uncertainty.inputs import (
     instrument_components,
     varied,
 )
-from roughcontact.uncertainty.overview import windows_elsewhere
+from roughcontact.uncertainty.overview import own_place, windows_of_places
 from roughcontact.uncertainty.random_effects import student
 from roughcontact.uncertainty.scales import to_scale
-from roughcontact.uncertainty.subwindows import levelled_parts
+from roughcontact.uncertainty.subwindows import divided, relevelled
 
 DISTANCE = "running_in_distance"
 WORN = (AREA, PRESSURE, PEAK, GAP, CONDUCTANCE, DISTANCE)
@@ -139,7 +143,7 @@ def with_ends(course: xr.Dataset, names: Iterable[str], causes: Iterable[Compone
 def with_bounds(course: xr.Dataset, name: str, bounds: Iterable[Any]) -> xr.Dataset:
     """Return a course with both ends of an answer."""
     dims, suffixes = course[name].dims, ENDS[1:]
-    return course.assign({name + end: (dims, np.asarray(b)) for end, b in zip(suffixes, bounds, strict=True)})
+    return course.assign({name + key: (dims, np.asarray(b)) for key, b in zip(suffixes, bounds, strict=True)})
 
 
 def on_scales(course: xr.Dataset, names: Iterable[str]) -> xr.Dataset:
@@ -157,6 +161,29 @@ def scatter_of_mean(members: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return the half-width of the mean of members, on the scales, by Student's t."""
     factor = float(student(np.array(len(members) - 1))) / math.sqrt(len(members))
     return factor * xr.concat(members, "member").std("member", ddof=1, skipna=False)
+
+
+def _levelled_parts(window: xr.DataArray, number: int = 9) -> list[xr.DataArray]:
+    """Return at most `number` parts of a window, each levelled by a plane and periodic."""
+    region = {axis: slice(0, points) for axis, points in zip("yx", window.shape, strict=True)}
+    areas = divided(region, spacing(window), number)
+    return [subwindow(relevelled(window.isel(area), 1)) for area in areas]
+
+
+def _windows_elsewhere(
+    window: xr.DataArray, levelled: xr.DataArray, overviews: Sequence[xr.DataArray]
+) -> list[tuple[xr.DataArray, float]]:
+    """Return the own place of a map in its largest overview and all other places of that, as windows.
+
+    Beside each is the factor of the load by the gradient, with which its coarser pixels touch as much.
+    """
+    fine = measured_rectangle(levelled)
+    overview = max(overviews, key=lambda field: math.prod(side_lengths(field)))
+    footprint, _ = own_place(fine, overview, overviews)
+    fields = [overview.isel(region) for region in windows_of_places(footprint.shape, overview)]
+    windows = [subwindow(relevelled(piece, form_order(fine))) for piece in (footprint, *fields)]
+    factor = rms_gradient(windows[0]) / rms_gradient(window)
+    return [(elsewhere, factor) for elsewhere in windows]
 
 
 def causes_of_parts(face: Face, run: Run, names: Sequence[str], settings: Sections) -> list[Components]:
@@ -180,7 +207,7 @@ def causes_of_parts(face: Face, run: Run, names: Sequence[str], settings: Sectio
     """
     if not (sources := add_correction_source(settings["uncertainty"]["sources"], face.window)):
         return []
-    parts = levelled_parts(face.window)
+    parts = _levelled_parts(face.window)
     part, instrument = parts[0], stated_instrument(face.window, settings["instrument"])
     courses = [run(piece) for piece in (parts if "window" in sources else parts[:1])]
     on_parts = [on_scales(course, names) for course in courses]
@@ -201,7 +228,7 @@ def causes_of_parts(face: Face, run: Run, names: Sequence[str], settings: Sectio
 
     if "instrument" in sources:
         result = Result(part, {"mean_pressure": np.nan}, values_of(courses[0]), solve)
-        measured_part = None if face.as_measured is None else levelled_parts(face.as_measured)[0]
+        measured_part = None if face.as_measured is None else _levelled_parts(face.as_measured)[0]
         causes += instrument_components(result, instrument, measured_part, undone(part, instrument))[0]
     for key in (key for key in INPUTS if OF_MATERIAL.get(key, "instrument") in sources):
         factors = ends(1.0, settings["contact"].get(name_of_range(key)) or instrument.get(key))
@@ -225,7 +252,7 @@ def causes_of_places(face: Face, run: Run, names: Iterable[str]) -> list[Compone
     load = run.keywords["mean_pressure"]
     of_map, *of_places = (
         on_scales(run(window, mean_pressure=load * factor), without_peak)
-        for window, factor in windows_elsewhere(face.window, face.levelled, face.overviews)
+        for window, factor in _windows_elsewhere(face.window, face.levelled, face.overviews)
     )
     changes = [of_place - of_map for of_place in of_places]
     return [

@@ -50,7 +50,7 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN
         units += _slopes(height, dx, dy)
         heights = [*_levels(height, finite, low, high), *_lines(height), *_noise(height)]
     doubts += [Suspicion("units", finding) for finding in units]
-    doubts += [Suspicion("spikes", each, "level.outlier_threshold finds isolated ones") for each in spikes]
+    doubts += [Suspicion("spikes", text, "level.outlier_threshold finds isolated ones") for text in spikes]
     return doubts + [Suspicion("heights", finding) for finding in heights]
 
 
@@ -98,10 +98,10 @@ def quantisation_step(height: np.ndarray) -> float | None:
     return float(step) if step >= 2 * rounding and np.mean(drift < 0.1) >= 0.9 else None
 
 
-def frequent_levels(heights: np.ndarray, *, least: int = 4) -> list[tuple[float, float]]:
+def frequent_levels(heights: np.ndarray, *, min_points: int = 4) -> list[tuple[float, float]]:
     """Return the levels with far more of the heights than chance brings there, and their shares.
 
-    They have `least` points and more, and three times as many as each of the forty levels on either side.
+    They have `min_points` and more, and three times as many as each of the forty levels on either side.
 
     Examples
     --------
@@ -113,7 +113,7 @@ def frequent_levels(heights: np.ndarray, *, least: int = 4) -> list[tuple[float,
     padded = np.pad(counts, _NEIGHBOURS, constant_values=1)
     highest = sliding_window_view(padded, _NEIGHBOURS).max(axis=1)
     around = np.maximum(highest[: counts.size], highest[_NEIGHBOURS + 1 :])
-    is_frequent = (counts >= np.maximum(3 * around, least)) & (counts > _PLATEAU * sample.size)
+    is_frequent = (counts >= np.maximum(3 * around, min_points)) & (counts > _PLATEAU * sample.size)
     return [*zip(levels[is_frequent].tolist(), (counts[is_frequent] / sample.size).tolist(), strict=True)]
 
 
@@ -126,8 +126,8 @@ def isolated_ends(heights: np.ndarray) -> list[float]:
     ([40.0], [])
     """
     levels = np.unique(_sample(heights))
-    ends = zip(levels[[0, -1]], np.diff(levels)[[0, -1]], strict=True) if levels.size > 3 else ()
-    return [float(end) for end, gap in ends if 2 * gap > np.ptp(levels)]
+    extremes = zip(levels[[0, -1]], np.diff(levels)[[0, -1]], strict=True) if levels.size > 3 else ()
+    return [float(height) for height, gap in extremes if 2 * gap > np.ptp(levels)]
 
 
 def _sample(heights: np.ndarray) -> np.ndarray:
@@ -214,8 +214,8 @@ def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) ->
         share = count / heights.size
         if count > 1 and share > _PLATEAU:  # one point is always at the extreme
             yield sentence("saturated", share=percent(share), name=name, value=quantity(value, "m"))
-    others = [each for each in frequent_levels(heights) if not has_many or low < each[0] < high]
-    for level, level_share in sorted(others, key=lambda each: each[1])[-1:]:
+    candidates = [pair for pair in frequent_levels(heights) if not has_many or low < pair[0] < high]
+    for level, level_share in sorted(candidates, key=lambda pair: pair[1])[-1:]:
         yield sentence("plateau", share=percent(level_share), value=quantity(level, "m"))
 
 

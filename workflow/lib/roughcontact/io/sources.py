@@ -162,7 +162,7 @@ def conspicuous(heights: np.ndarray) -> set[float]:
     >>> sorted(conspicuous(np.append(np.arange(0.5, 100.0), [7.0, 7.0, 7.0, -999.0])))
     [-999.0, 7.0]
     """
-    return {*isolated_ends(heights), *(level for level, _ in frequent_levels(heights, least=3))}
+    return {*isolated_ends(heights), *(level for level, _ in frequent_levels(heights, min_points=3))}
 
 
 def sources(file: MeasuredFile, channel: Channel, request: Request) -> dict[str, str]:

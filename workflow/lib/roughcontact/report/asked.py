@@ -122,7 +122,7 @@ def _stated_loads(contact: Mapping[str, Any]) -> Iterator[str]:
         if (values := contact.get(key)) is None or (key == "force" and contact.get("area")):
             continue
         values = [float(value) for value in (values if isinstance(values, Sequence) else [values])]
-        shown = Unit(100.0, "%") if unit == "%" else Unit(*prefix(max(values), unit))  # one for all
-        yield f"{text} {', '.join(map(shown.text, values))}{' on a body of finite size' * (key == 'force')}"
+        scale = Unit(100.0, "%") if unit == "%" else Unit(*prefix(max(values), unit))  # one for all
+        yield f"{text} {', '.join(map(scale.text, values))}{' on a body of finite size' * (key == 'force')}"
     if target := contact.get("target"):
         yield " and ".join(_TARGETS[result] for result in ([target] if isinstance(target, str) else target))

@@ -130,11 +130,11 @@ def wider_intervals(numbers: xr.Dataset) -> tuple[dict[str, str], dict[str, Any]
             texts = [unit.ends(lower[index], upper[index]) for lower, upper in ends]
             rows.append([f"{TITLES[name]} at {load}", unit.text(float(solved[index])), *texts])
     header, lines = ["result", "as solved", *columns.values()], {}
-    shown = next((name for name in asked_columns([numbers]) if name in COMPARED), AREA)
-    of_shown = rows[COMPARED.index(shown) * len(loads) :]
+    main_result = next((name for name in asked_columns([numbers]) if name in COMPARED), AREA)
+    of_shown = rows[COMPARED.index(main_result) * len(loads) :]
     for column in range(3, 3 + len(beyond)):
         texts = [f"{row[column]} at {load}" for row, load in zip(of_shown, loads, strict=False)]
-        lines[header[column].capitalize()] = f"{TITLES[shown]} {', '.join(texts)}"
+        lines[header[column].capitalize()] = f"{TITLES[main_result]} {', '.join(texts)}"
     return lines, {"header": header, "rows": rows}
 
 

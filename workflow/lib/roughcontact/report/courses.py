@@ -79,8 +79,8 @@ def answer_with_courses(line: str, sections: Mapping[str, Mapping[str, Any]]) ->
     """
     for part, before in _BEFORE.items():
         if part in sections:
-            first, *_ = sections[part]["sentences"][0].removesuffix(".").partition(". ")
-            line = f"{first}. {before}, {line[:1].lower()}{line[1:]}" if line else f"{first}."
+            opening, *_ = sections[part]["sentences"][0].removesuffix(".").partition(". ")
+            line = f"{opening}. {before}, {line[:1].lower()}{line[1:]}" if line else f"{opening}."
     return line
 
 
@@ -115,20 +115,20 @@ def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
     """Return the sentence of the friction, and what draws the charts."""
     ways = _along(over, "direction")
     highest = [way.isel(speed=int(way[FRICTION].values.argmax())) for way in ways]
-    first = int(np.argmax([way[FRICTION].item() for way in highest]))
-    others = [_scalars(way) for way in highest if way is not highest[first]]
+    index = int(np.argmax([way[FRICTION].item() for way in highest]))
+    others = [_scalars(way) for way in highest if way is not highest[index]]
     misfit = float(over.attrs["relaxation_misfit"])  # of the table from every linear material
-    text = sentence("slides", _scalars(highest[first]), others, misfit, MAX_MISFIT, _warm_from(ways[first]))
-    return [text], partial(_sliding_charts, over, ways, highest, first)
+    text = sentence("slides", _scalars(highest[index]), others, misfit, MAX_MISFIT, _warm_from(ways[index]))
+    return [text], partial(_sliding_charts, over, ways, highest, index)
 
 
 def _sliding_charts(
-    over: xr.Dataset, ways: Sequence[xr.Dataset], highest: Sequence[xr.Dataset], first: int
+    over: xr.Dataset, ways: Sequence[xr.Dataset], highest: Sequence[xr.Dataset], index: int
 ) -> Charts:
-    """Draw friction and contact over the speed; all but the friction of the `first` of the directions."""
+    """Draw friction and contact over the speed; all but the friction of the direction `index` alone."""
     from roughcontact.report.map_plots import pressure_map  # with all that levels maps, for few pages
 
-    course, fastest, speed = ways[first], highest[first], over["speed"].values
+    course, fastest, speed = ways[index], highest[index], over["speed"].values
     way_labels = [f", {way['direction'].item():g}°" if len(ways) > 1 else "" for way in ways]
     curves = {
         f"hysteresis, as solved{name}": [speed, *interval_values(way, FRICTION)]
@@ -140,7 +140,7 @@ def _sliding_charts(
     pressure = pressure_map(xr.zeros_like(fastest["pressure"]), fastest["pressure"].values)
     return {
         "coefficient of friction over the speed": of_friction,
-        f"pressure at {fastest['speed'].item():.3g} m/s{way_labels[first]}": pressure,
+        f"pressure at {fastest['speed'].item():.3g} m/s{way_labels[index]}": pressure,
         "share of the friction by wavelength": _octaves(fastest),
         **_over({"": (speed, course)}, (AREA, GAP), x_axis, " over the speed"),
     }
@@ -201,14 +201,14 @@ def _over(
     """
     courses, charts = [course for _, course in curves.values()], {}
     for result in (name for name in results if all(name in course for course in courses)):
-        first = courses[0].isel({dim: 0 for dim in courses[0][result].dims if dim != "load"})
-        unit = unit_of(first, UNITS[result])
+        reference = courses[0].isel({dim: 0 for dim in courses[0][result].dims if dim != "load"})
+        unit = unit_of(reference, UNITS[result])
         lowest = CLOSED if result == GAP else 0.0  # finer than atoms nothing is known
         values = {}
         for name, (abscissa, course) in curves.items():
             # a hardness along the course is no limit of a single contact
-            ends = interval_values(course.drop_vars("hardness", errors="ignore"), result)
-            values[name] = [abscissa, *(np.where(end >= lowest, end * unit.factor, np.nan) for end in ends)]
+            bars = interval_values(course.drop_vars("hardness", errors="ignore"), result)
+            values[name] = [abscissa, *(np.where(bar >= lowest, bar * unit.factor, np.nan) for bar in bars)]
         if any((value > 0).any() for _, value, *_ in values.values()):
             charts[TITLES[result] + words] = curves_chart(x_axis, f"{TITLES[result]} ({unit.symbol})", values)
     return charts

@@ -27,13 +27,13 @@ def shown_comparisons(
     comparisons: Mapping[tuple[str, str], xr.Dataset], answers: Mapping[str, xr.Dataset]
 ) -> dict[tuple[str, str], xr.Dataset]:
     """Return comparisons at the loads that are shown, by the areas of the one that is named first."""
-    shown = {}
+    selections = {}
     for labels, result in comparisons.items():
         reference = answers[labels[0]]
         loads, areas = (reference[name].values for name in ("mean_pressure", AREA))
         area = np.interp(result["mean_pressure"].values, loads, areas)
-        shown[labels] = result.isel(load=glance.shown_loads(area))
-    return shown
+        selections[labels] = result.isel(load=glance.shown_loads(area))
+    return selections
 
 
 def comparison_rows(
@@ -50,8 +50,8 @@ def comparison_rows(
     rows = []
     for (label, partner), result in comparisons.items():
         loads = result["mean_pressure"].values.tolist()
-        both = answers[label], answers[partner]
-        at_loads = [[(data, nearest_load(data, load)) for data in both] for load in loads]
+        results = answers[label], answers[partner]
+        at_loads = [[(data, nearest_load(data, load)) for data in results] for load in loads]
         row = _ratios(label, partner, result, at_loads)
         texts = list(map(unit_of(answers[label], "Pa").text, loads))
         rows.append(row | {"loads": texts, "of_maps": label not in of_groups})
@@ -74,16 +74,16 @@ def case_rows(cases: Mapping[str, xr.Dataset], *, surface: str = "", equal_loads
     """
     rows = []
     for pair in case_pairs(list(cases)):
-        both = [cases[name] for name in pair]
-        partners = np.array(paired_loads(*both, as_stated=equal_loads))
-        partners = partners[:, both[0]["mean_pressure"].values[partners[0]].argsort()]
-        partners = partners[:, glance.shown_loads(both[0][AREA].values[partners[0]])]
-        shared = [data.isel(load=indices) for data, indices in zip(both, partners, strict=True)]
-        texts = [stated_loads(data, common_pressure(both)).texts for data in both]
+        results = [cases[name] for name in pair]
+        partners = np.array(paired_loads(*results, as_stated=equal_loads))
+        partners = partners[:, results[0]["mean_pressure"].values[partners[0]].argsort()]
+        partners = partners[:, glance.shown_loads(results[0][AREA].values[partners[0]])]
+        shared = [data.isel(load=indices) for data, indices in zip(results, partners, strict=True)]
+        texts = [stated_loads(data, common_pressure(results)).texts for data in results]
         row: Row = {"surface": surface, "loads": []}
-        for first, second in partners.T.tolist():
-            row["loads"].append(" / ".join(dict.fromkeys([texts[0][first], texts[1][second]])))
-        at_loads = [list(zip(both, indices, strict=True)) for indices in partners.T.tolist()]
+        for first_index, second_index in partners.T.tolist():
+            row["loads"].append(" / ".join(dict.fromkeys([texts[0][first_index], texts[1][second_index]])))
+        at_loads = [list(zip(results, indices, strict=True)) for indices in partners.T.tolist()]
         rows.append(row | _ratios(*pair, case_differences(*shared), at_loads))
     return rows
 
@@ -125,14 +125,14 @@ def differences_in_words(differences: Sequence[Row]) -> str:
     return f"Contact area, {'; '.join(sentences)}." if sentences else ""
 
 
-def _ratios(first: str, second: str, result: xr.Dataset, at_loads: Sequence[Sequence[Load]]) -> Row:
+def _ratios(reference: str, label: str, result: xr.Dataset, at_loads: Sequence[Sequence[Load]]) -> Row:
     """Return the row of two results, whose numbers `at_loads` say where there is no ratio."""
     names = [name for name in COMPARED if name in result["quantity"].values]
     rows = [
-        _comparison(result.sel(quantity=name), name, [_without_ratio(name, both) for both in at_loads])
+        _comparison(result.sel(quantity=name), name, [_without_ratio(name, results) for results in at_loads])
         for name in names
     ]
-    return {"first": first, "second": second, "rows": rows}
+    return {"first": reference, "second": label, "rows": rows}
 
 
 def _without_ratio(name: str, results: Sequence[Load]) -> str:
@@ -154,8 +154,8 @@ def _comparison(part: xr.Dataset, name: str, without_ratio: Sequence[str]) -> Ro
     for index, reason in enumerate(without_ratio):
         ratio, low, high = (float(part[key][index]) for key in ("ratio", "ratio_lower", "ratio_upper"))
         text, *interval = with_interval(ratio, low, high, finest=_FINEST).split()
-        ends = with_interval(np.nan, low, high, finest=_FINEST) if interval else ""
-        cells.append(Cell("–") if reason else Cell(text, ends))
+        interval_text = with_interval(np.nan, low, high, finest=_FINEST) if interval else ""
+        cells.append(Cell("–") if reason else Cell(text, interval_text))
         outcomes[index] = reason or str(outcomes[index])
     equal = len(set(outcomes)) == 1
     return {"quantity": TITLES[name], "cells": cells, "outcomes": outcomes[:1] if equal else outcomes}

@@ -34,15 +34,15 @@ def name_under(surface: str, *cases: str | None) -> str:
     return " · ".join(filter(None, [str(surface), ", ".join(filter(None, cases))]))
 
 
-def group_headings(asked: Collection[str] = ()) -> dict[str, str]:
-    """Return the headings of the columns of groups: of the area, the usual numbers, and what is `asked`.
+def group_headings(columns: Collection[str] = ()) -> dict[str, str]:
+    """Return the headings of the columns of groups: of the area, the usual numbers, and `columns`.
 
     Examples
     --------
     >>> [*group_headings(["conductance", "sealing"]).values()][4:]
     ['pressure in contact', 'mean gap', 'conductance']
     """
-    names = {*USUAL, *asked} - {AREA}
+    names = {*USUAL, *columns} - {AREA}
     return _HEADINGS | {
         row.quantity: row.heading for name, row in ANSWERS.items() if row.quantity and name in names
     }
@@ -75,11 +75,11 @@ def answer_of_several(
 def group_rows(
     groups: Sequence[NamedGroup],
     verdicts: Mapping[Key, str] | None = None,
-    asked: Collection[str] = (),
+    columns: Collection[str] = (),
 ) -> list[Row]:
     """Return for each group its `name`, what it is `of`, its `remarks`, and `rows` of `group_cells`.
 
-    `verdicts` are those of the maps, by name and case, in words; `asked` is what these are asked for.
+    `verdicts` are those of the maps, by name and case, in words; `columns` are what these are asked for.
     """
     if not groups:
         return []
@@ -90,7 +90,7 @@ def group_rows(
             "of": group.members.in_words(group.answer.sizes["map"], len({*group.answer["part"].values}))
             + _verdicts(group, verdicts or {}),
             "remarks": json_attribute(group.answer.attrs, "remarks"),
-            "rows": [group_cells(group.answer, of_group, index, asked) for index in loads],
+            "rows": [group_cells(group.answer, of_group, index, columns) for index in loads],
         }
         for group, of_group, loads in zip(groups, units, _shown(groups), strict=True)
     ]
@@ -121,7 +121,7 @@ def _verdicts(group: NamedGroup, verdicts: Mapping[Key, str]) -> str:
 
 
 def group_cells(
-    answer: xr.Dataset, units: Mapping[str, Unit], index: int, asked: Collection[str] = ()
+    answer: xr.Dataset, units: Mapping[str, Unit], index: int, columns: Collection[str] = ()
 ) -> list[Cell]:
     """Return the cells of a group at a load, by `group_headings`."""
     cells = {
@@ -129,7 +129,7 @@ def group_cells(
         "next": Cell(_range(answer, AREA, "_next", units, index)),
         "scatter": _scatter(answer.isel(load=index)),
     }
-    return [cells.get(name) or _mean(answer, name, units, index) for name in group_headings(asked)]
+    return [cells.get(name) or _mean(answer, name, units, index) for name in group_headings(columns)]
 
 
 def _mean(answer: xr.Dataset, name: str, units: Mapping[str, Unit], index: int) -> Cell:

@@ -79,8 +79,8 @@ def compare_areas(
     intervals = {name: interval_values(result, AREA) for name, result in results.items()}
     maps = {name: result.get(f"{AREA}_of_maps", xr.DataArray([])) for name, result in results.items()}
     areas, lower, _ = (np.concatenate(values) for values in zip(*intervals.values(), strict=True))
-    shown = [areas, _clipped_ends(lower, areas), *map(np.ravel, maps.values())]
-    y, x = np.concatenate(shown), np.concatenate([*loads.values()])
+    points = [areas, _clipped_ends(lower, areas), *map(np.ravel, maps.values())]
+    y, x = np.concatenate(points), np.concatenate([*loads.values()])
     chart = _area_chart(x, y, size=(560.0, 430.0), letters=13.0, label=load_label(pressure))
     room = min(0.08, 0.3 / len(results))  # ln(load) between the maps of a group and its mean
     for index, (name, style) in enumerate(styles.items()):

@@ -145,12 +145,12 @@ def _map(
     width = min(_WIDTH, _HIGHEST / aspect)
     margins = (84.0, 14.0, _WIDTH - width + 106.0, 53.0)
     chart = Chart(x, y, size=(84.0 + _WIDTH + 106.0, width * aspect + 67.0), margins=margins, grid=False)
-    colours, shown = colour_scale(field.colours), values * unit.factor
-    source, coarse = coloured(shown[::-1], (bar.low, bar.high), field.colours, bad=field.bad)  # y upwards
+    colours, numbers = colour_scale(field.colours), values * unit.factor
+    source, coarse = coloured(numbers[::-1], (bar.low, bar.high), field.colours, bad=field.bad)  # y upwards
     chart.note("picture", source=source, smooth=not coarse)
     chart.reading = {"value": bar.reading(), "colours": colours, "bad": [field.bad, field.bad_word]}
     chart.reading |= {"points": list(values.shape[::-1])}
-    chart.note("values", values=shown, bar=bar, colours=field.colours, bad=field.bad)
+    chart.note("values", values=numbers, bar=bar, colours=field.colours, bad=field.bad)
     chart.colour_bar(bar, colours, (bool((values < limits[0]).any()), bool((values > limits[1]).any())))
     if outline is not None:
         # white below red: visible on every colour

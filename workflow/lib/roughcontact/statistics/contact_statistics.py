@@ -349,18 +349,18 @@ def _joint(statistics: xr.Dataset, ratios: Mapping[str, xr.DataArray]) -> dict[s
         if "mean_gap_alone" in statistics:  # the gap that an overview shows holds other gas
             gas = gas * (statistics["mean_gap_alone"] + jump) / (statistics[GAP] + jump)
         results = {"gas_conductance": gas, "joint_conductance": 1 / (spots + film) + gas}
-        for end in ENDS[1:]:
-            opposite = OPPOSITE_ENDS[end]
-            names = f"{AREA}{end}", f"{GAP}{opposite}", f"thermal_resistance{opposite}"
+        for suffix in ENDS[1:]:
+            opposite = OPPOSITE_ENDS[suffix]
+            names = f"{AREA}{suffix}", f"{GAP}{opposite}", f"thermal_resistance{opposite}"
             if {*names} <= {*statistics}:
                 area, gap, spots_at_end = (statistics[name] for name in names)
                 of_spots = 1 / (spots_at_end + film * statistics[AREA] / area)
                 of_gas = gas * (statistics[GAP] + jump) / (gap + jump)
                 # of spots or gas without a lower end none at the least; nothing bounds two smooth faces
-                if end == "_lower":
+                if suffix == "_lower":
                     of_spots, of_gas = of_spots.fillna(0.0), of_gas.fillna(0.0)
                 together = of_spots + of_gas
-                results[f"joint_conductance{end}"] = together.where(np.isfinite(together))
+                results[f"joint_conductance{suffix}"] = together.where(np.isfinite(together))
     return results
 
 
@@ -385,7 +385,7 @@ def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
             continue
         # the same factor at value and ends
         unit = statistics[name] / statistics[base]
-        ends = (unit * statistics[f"{base}{end}"] for end in ENDS[1:])
+        ends = (unit * statistics[f"{base}{suffix}"] for suffix in ENDS[1:])
         lower, upper = widened((statistics[name], *ends), factors)
         bounds |= {f"{name}_lower": lower, f"{name}_upper": upper}
         if base == CONDUCTANCE:
@@ -395,8 +395,8 @@ def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
             bounds[f"{resistance}_upper"] = (1 / lower).where(lower > 0)
     for name, power in _SIZES.items():
         if {name, f"{AREA}_lower"} <= {*statistics}:
-            ratios = {end: statistics[f"{AREA}{end}"] / statistics[AREA] for end in ENDS[1:]}
-            bounds |= {f"{name}{end}": statistics[name] * ratio**power for end, ratio in ratios.items()}
+            ratios = {suffix: statistics[f"{AREA}{suffix}"] / statistics[AREA] for suffix in ENDS[1:]}
+            bounds |= {f"{name}{suffix}": statistics[name] * ratio**power for suffix, ratio in ratios.items()}
     return bounds
 
 
@@ -415,9 +415,9 @@ def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
             leak, height, of_plates = (statistics[key] for key in (name, narrowest, "leak_rate_by_cube"))
             # where it is closed there is no leak to scale from: that of smooth plates
             by_cube = (leak / height**3 / slip_factor(height, path)).where(height > 0, of_plates)
-            for end in ENDS[1:]:
-                opening = statistics[f"{narrowest}{end}"]
-                bounds[f"{name}{end}"] = by_cube * opening**3 * slip_factor(opening, path)
+            for suffix in ENDS[1:]:
+                opening = statistics[f"{narrowest}{suffix}"]
+                bounds[f"{name}{suffix}"] = by_cube * opening**3 * slip_factor(opening, path)
             upper = bounds[f"{name}_upper"].where(~is_lifted(statistics))
             # closed for certain, it leaks no more than what counts as nothing
             is_bound = (gap_is_closed(statistics, axis) != 1) | (upper <= TIGHT)

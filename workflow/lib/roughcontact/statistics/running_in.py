@@ -250,8 +250,8 @@ def _step(worn: _Worn, law: Archard, step: float) -> _Worn:
     """Return the face after an implicit step (m) of Archard's law."""
     material, depth = law.material, law.coefficient * step  # by pressure, m/Pa
     series = replace(material, foundation=depth * material.modulus)
-    height, before = worn.contact["height"], worn.contact["pressure"].values[0]
-    pressure = law.solve(height, series, before)["pressure"].values[0]
+    height, last_pressure = worn.contact["height"], worn.contact["pressure"].values[0]
+    pressure = law.solve(height, series, last_pressure)["pressure"].values[0]
     lost = depth * pressure
     contact = law.solve(height - lost, material, pressure)
     # whatever the solver left open, the pressure of the step is a subgradient of Phi at h' up to the
@@ -259,7 +259,7 @@ def _step(worn: _Worn, law: Archard, step: float) -> _Worn:
     of_step = contact.assign(pressure=(contact["pressure"].dims, pressure[None]), error_bound=0.0)
     energies = [_energy(state, material) for state in (worn.contact, contact, of_step)]
     (energy, missing), (energy_after, _), (own_energy, _) = energies
-    change = _norm(before - pressure, height, material) - missing
+    change = _norm(last_pressure - pressure, height, material) - missing
     change -= math.sqrt(2 * max(energy_after - own_energy, 0.0))
     growth = depth * (energy + energy_after - 2 * own_energy - CONVEXITY * max(change, 0.0) ** 2)
     growth -= float(np.var(lost))

@@ -230,8 +230,8 @@ class Plan:
         if rule.startswith("prepare"):
             row = self.measured[surface]
             keys = ("repeats", "along", "place", "overview")
-            others = (entry["path"] for key in keys for entry in row.read_arguments.get(key, ()))
-            return [*dict.fromkeys([str(row.path), *others])]
+            further_paths = (entry["path"] for key in keys for entry in row.read_arguments.get(key, ()))
+            return [*dict.fromkeys([str(row.path), *further_paths])]
         path = relaxation_table(self.cases[case]["contact"]["bodies"])
         relaxation = [path] if path else []
         if rule == "slide":

@@ -254,10 +254,10 @@ class _Maps(NamedTuple):
             components[:, _WINDOW, :2] = self.possible(name, value, components[:, _WINDOW, :2])
             of_map = value, components[:, _WINDOW, :2].mean(axis=1)
             if alone:
-                is_known = np.isfinite(alone[0])  # NaN of a map beside others with an overview
                 without_overview = alone[0], (alone[2] - alone[1]) / 2
                 pairs = zip(without_overview, of_map, strict=True)
-                of_map = tuple(np.where(is_known, *pair) for pair in pairs)
+                # NaN of a map beside others with an overview
+                of_map = tuple(np.where(np.isfinite(alone[0]), *pair) for pair in pairs)
             results.append((value, components, *of_map))
         return [np.stack(column) for column in zip(*results, strict=True)]
 
@@ -266,10 +266,9 @@ class _Maps(NamedTuple):
 
         Maps scatter no further: the peaks of all that flow are alike.
         """
-        limits = QUANTITIES[name].limits
-        if limits is None or np.isinf(self.hardest):
+        if (limits := QUANTITIES[name].limits) is None or np.isinf(self.hardest):
             return widths
-        lowest, highest = (to_scale(name, 0 * self.loads + end) for end in limits(self.loads, self.hardest))
+        lowest, highest = (to_scale(name, 0 * self.loads + cut) for cut in limits(self.loads, self.hardest))
         return np.fmin(widths, np.maximum(np.stack([value - lowest, highest - value], axis=1), 0.0))
 
     def own_numbers(self, name: str) -> dict[str, np.ndarray]:
@@ -314,7 +313,7 @@ class _Maps(NamedTuple):
     def range_of(self, name: str, of_maps: np.ndarray) -> dict[str, np.ndarray]:
         """Return the median (load) of a number of maps, and the range of their intervals, by endings."""
         has_ends = all(f"{name}{suffix}" in data for data in self.datasets for suffix in ENDS[1:])
-        lower, upper = (self.at_loads(f"{name}{end}") if has_ends else of_maps for end in ENDS[1:])
+        lower, upper = (self.at_loads(f"{name}{suffix}") if has_ends else of_maps for suffix in ENDS[1:])
         middle = np.median(of_maps, axis=0)
         return dict(zip(ENDS, (middle, lower.min(axis=0), upper.max(axis=0)), strict=True))
 

@@ -174,22 +174,6 @@ def windows_of_places(shape: tuple[int, ...], overview: xr.DataArray) -> list[Sl
     return [{"y": y, "x": x} for y, x in product(*tiles)]
 
 
-def windows_elsewhere(
-    window: xr.DataArray, levelled: xr.DataArray, overviews: Sequence[xr.DataArray]
-) -> list[tuple[xr.DataArray, float]]:
-    """Return the own place of a map in its largest overview and all other places of that, as windows.
-
-    Beside each is the factor of the load by the gradient, with which its coarser pixels touch as much.
-    """
-    fine = placing.measured_rectangle(levelled)
-    overview = max(overviews, key=lambda field: math.prod(side_lengths(field)))
-    footprint, _ = own_place(fine, overview, overviews)
-    places = [overview.isel(place) for place in windows_of_places(footprint.shape, overview)]
-    windows = [subwindow(relevelled(piece, form_order(fine))) for piece in (footprint, *places)]
-    factor = rms_gradient(windows[0]) / rms_gradient(window)
-    return [(elsewhere, factor) for elsewhere in windows]
-
-
 def transfers_of(
     result: Result, order: int, footprint: xr.DataArray, overview: xr.DataArray, arguments: Mapping[str, Any]
 ) -> dict[str, Transfer]:

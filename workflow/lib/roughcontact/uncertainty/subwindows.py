@@ -136,13 +136,6 @@ def relevelled(area: xr.DataArray, order: int) -> xr.DataArray:
     return area.copy(data=area.values - fit_polynomial(area.values, coordinates, order=order)[0])
 
 
-def levelled_parts(window: xr.DataArray, number: int = 9) -> list[xr.DataArray]:
-    """Return at most `number` parts of a window, each levelled by a plane and periodic."""
-    region = {axis: slice(0, points) for axis, points in zip("yx", window.shape, strict=True)}
-    areas = divided(region, spacing(window), number)
-    return [subwindow(relevelled(window.isel(area), 1)) for area in areas]
-
-
 def divided(region: Slices, step: tuple[float, float], number: int, shortest: float = 0.0) -> list[Slices]:
     """Return the subwindows of a window, with the largest product of their number and squareness.
 
@@ -157,8 +150,8 @@ def divided(region: Slices, step: tuple[float, float], number: int, shortest: fl
 
     def score(cut: Iterable[int]) -> tuple[float, tuple[int, ...]]:
         lengths = [n * s / k for n, s, k in zip(sides, step, cut, strict=True)]
-        squareness = 1.0 if 1 in sides else min(lengths) / max(lengths)
-        return round(math.prod(cut) * squareness, 9), tuple(cut)  # equal ones differ by rounding
+        # equal ones differ by rounding
+        return round(math.prod(cut) * (1.0 if 1 in sides else min(lengths) / max(lengths)), 9), tuple(cut)
 
     pairs = product(*(range(1, min(number, limit) + 1) for limit in limits))
     best = max((cut for cut in pairs if math.prod(cut) <= number), key=score)

@@ -223,7 +223,7 @@ def _mistakes_in_sequences(settings: Mapping[str, Any]) -> Mistakes:
 def _mistakes_in_wear(wear: Mapping[str, Any]) -> Mistakes:
     """Yield what is missing for the wear of the face."""
     for key in ("coefficient", "distance"):
-        if wear[key] is None and any(wear[other] for other in ("coefficient", "distance", "mean_pressure")):
+        if wear[key] is None and any(wear[name] for name in ("coefficient", "distance", "mean_pressure")):
             yield f"wear.{key}", ": missing; wear needs the coefficient and the distance"
 
 

@@ -47,9 +47,9 @@ class Page:
         action, job, texts = form.get("page.do", ""), form.get("page.job", self.job), self.texts
         if job in study.JOBS and job != self.job:
             texts = study.texts_for(job, texts, self.aside)
-        self.look, more = form.get("page.look", self.look), form.get("page.more", "")
+        self.look, new_field = form.get("page.look", self.look), form.get("page.more", "")
         texts = texts | {name: text for name, text in form.items() if not name.startswith(("rows.", "page."))}
-        texts |= {more: ""} if more else {}
+        texts |= {new_field: ""} if new_field else {}
         cells = defaultdict[int, study.Row](dict)
         for _, number, column in (name.split(".", 2) for name in form if name.startswith("rows.")):
             cells[int(number)][column] = form[f"rows.{number}.{column}"]
@@ -66,7 +66,7 @@ class Page:
             if self.checked["mistakes"] or 0 < len(rows) == self.unread():
                 raise SettingsError("nothing is started: correct first what is listed under 4 Run")
             self.run.start()
-        return self.html(more=more)
+        return self.html(more=new_field)
 
     def _rows_after(self, action: str, form: Mapping[str, str], rows: list[study.Row]) -> list[study.Row]:
         """Return the rows after the action of a button."""

@@ -116,9 +116,9 @@ def group(result: Mapping[str, Any], answer: xr.Dataset | None) -> str:
     if answer is None:
         lines.append(labelled_line("no group", result["group"]["none"]))
     else:
-        (units,), asked = glance.glance_units([answer]), names_asked(result["maps"][0]["loads"][0])
-        rows = [group_cells(answer, units, index, asked) for index in range(answer.sizes["load"])]
-        lines += [*_table([*group_headings(asked).values()], rows), ""]
+        (units,), columns = glance.glance_units([answer]), names_asked(result["maps"][0]["loads"][0])
+        rows = [group_cells(answer, units, index, columns) for index in range(answer.sizes["load"])]
+        lines += [*_table([*group_headings(columns).values()], rows), ""]
         lines += [] if is_range(answer) else [labelled_line("intervals", _ABOUT_GROUPS)]
         lines += [labelled_line("remark", text) for text in result["group"]["remarks"]]
     for entry in result["maps"]:

@@ -146,30 +146,30 @@ def _parsed(rows: Rows, counts: list[int], dialect: Dialect) -> _Text:
     return _Text(rows, values, empty, empty_corner, short, dialect.delimiter, by_meaning, columns, doubts)
 
 
-def _add_markers(stated: Stated, rows: Rows, values: np.ndarray) -> list[str]:
+def _add_markers(statements: Stated, rows: Rows, values: np.ndarray) -> list[str]:
     """Add markers of missing points: of the format, and of lines in any words; return what is doubtful."""
     if {line.split()[0].lower() for _, line in rows.filled} >= _ARC_INFO:
-        stated.setdefault("missing", [Statement(-9999.0)])  # by default of the format
-    used, doubts = {each.line for group in stated.values() for each in group}, []
+        statements.setdefault("missing", [Statement(-9999.0)])  # by default of the format
+    used, doubts = {statement.line for group in statements.values() for statement in group}, []
     for number, line in rows.filled:
         marker = marker_of(line) if number not in used else np.nan
         is_number = marker < 0 or marker > values.size or marker % 1 > 0  # and may not be that of such points
         if is_number and marker in conspicuous(values[np.isfinite(values)]):
-            stated.setdefault("missing", []).append(Statement(marker, line=number, text=line.strip()))
+            statements.setdefault("missing", []).append(Statement(marker, line=number, text=line.strip()))
             points = counted_noun(int(np.count_nonzero(values == marker)), "point")
-            doubts.append(f"{stated['missing'][-1]}: {points} with that height are missing")
+            doubts.append(f"{statements['missing'][-1]}: {points} with that height are missing")
     return doubts
 
 
-def _add_counts(stated: Stated, values: np.ndarray) -> list[str]:
+def _add_counts(statements: Stated, values: np.ndarray) -> list[str]:
     """Add the height of a step along z where heights are whole numbers without a unit; return a note."""
-    steps, heights = stated.pop("z_step", []), values[np.isfinite(values)]
-    has_unit = {"height_unit", "unit", "z_factor"} & {*stated}
-    if not steps or has_unit or not {*LENGTHS} & {*stated}:
+    steps, heights = statements.pop("z_step", []), values[np.isfinite(values)]
+    has_unit = {"height_unit", "unit", "z_factor"} & {*statements}
+    if not steps or has_unit or not {*LENGTHS} & {*statements}:
         return []
     if np.any(heights[~np.isin(heights, [*conspicuous(heights)])] % 1):  # but for markers
         return []
-    stated["z_factor"] = steps
+    statements["z_factor"] = steps
     return [f"{steps[0]}: all heights are whole numbers, and taken as counts of it"]
 
 
@@ -396,16 +396,16 @@ def _rank(column: Column, file: MeasuredFile) -> int:
     return _NAMED if column.role == "z" else _LENGTH if is_length(column.unit) else _UNKNOWN
 
 
-def _is_stated_matrix(values: np.ndarray, stated: Stated) -> bool:
+def _is_stated_matrix(values: np.ndarray, statements: Stated) -> bool:
     """Return whether a header makes a table of two or three columns a matrix of heights.
 
     Beside a header that gives the size of the field, the columns are positions only where they form a whole
     grid of three lines and more each way (a profile: even steps), which heights do not.
     """
     rows, count = values.shape
-    if stated.keys() & {"nx", "ny"}:
-        return stated.first("nx") in (None, count) and stated.first("ny") in (None, rows)
-    if not any(sizes <= stated.keys() for sizes in ({"step"}, {"length_x", "length_y"}, {"dx", "dy"})):
+    if statements.keys() & {"nx", "ny"}:
+        return statements.first("nx") in (None, count) and statements.first("ny") in (None, rows)
+    if not any(sizes <= statements.keys() for sizes in ({"step"}, {"length_x", "length_y"}, {"dx", "dy"})):
         return False
     if count == 3 or not np.isfinite(values[:, 0]).all():
         return not (np.isfinite(values[:, :-1]).all() and form_a_grid(values[:, 0], values[:, 1]))
@@ -426,8 +426,8 @@ def _refuse_cut_table(shape: tuple[int, ...], counts: list[int]) -> None:
         # two or three columns are positions and heights, of which half may be lost
         is_whole = total <= rows or total == columns or (columns > 3 and total == rows * columns)
     if counts and not is_whole:
-        stated = " and ".join(f"{count:g}" for count in counts)
-        raise refusal("cut table", stated=stated, rows=rows, columns=columns)
+        statements = " and ".join(f"{count:g}" for count in counts)
+        raise refusal("cut table", stated=statements, rows=rows, columns=columns)
 
 
 def _one_column(heights: np.ndarray, column: Column, text: _Text) -> MeasuredFile:
