@@ -7,12 +7,11 @@ from known_surfaces import self_affine
 import roughcontact as rc
 from roughcontact.arguments.answers import AREA
 from roughcontact.arguments.quantities import number
-from roughcontact.evaluation.courses import FEW_STEPS, WORN, Face, worn_in_a_run
+from roughcontact.evaluation.courses import FEW_STEPS, WORN, Face, levelled_parts, worn_in_a_run
 from roughcontact.report.courses import course_sections
 from roughcontact.results.storage import write_dataset
 from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.scales import to_scale
-from roughcontact.uncertainty.subwindows import levelled_parts
 
 LOAD, WEAR = 5e6, 1e-15
 

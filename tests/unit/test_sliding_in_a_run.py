@@ -9,7 +9,7 @@ import roughcontact as rc
 from roughcontact.arguments.answers import AREA, FRICTION, GAP, PEAK
 from roughcontact.arguments.quantities import number
 from roughcontact.arguments.settings.resolve import resolve
-from roughcontact.evaluation.courses import SLID, Face, slid_in_a_run
+from roughcontact.evaluation.courses import SLID, Face, levelled_parts, slid_in_a_run
 from roughcontact.kernels.fourier import wavenumbers
 from roughcontact.report.courses import course_sections
 from roughcontact.results.storage import write_dataset
@@ -18,7 +18,6 @@ from roughcontact.surface.window.transfer import corrected as window_corrected
 from roughcontact.surface.window.transfer import transfer
 from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.scales import to_scale
-from roughcontact.uncertainty.subwindows import levelled_parts
 
 LOAD, SPEEDS = 5e4, [1e-3, 1e-2, 1e-1]
 

@@ -163,7 +163,7 @@ def scatter_of_mean(members: Sequence[xr.Dataset]) -> xr.Dataset:
     return factor * xr.concat(members, "member").std("member", ddof=1, skipna=False)
 
 
-def _levelled_parts(window: xr.DataArray, number: int = 9) -> list[xr.DataArray]:
+def levelled_parts(window: xr.DataArray, number: int = 9) -> list[xr.DataArray]:
     """Return at most `number` parts of a window, each levelled by a plane and periodic."""
     region = {axis: slice(0, points) for axis, points in zip("yx", window.shape, strict=True)}
     areas = divided(region, spacing(window), number)
@@ -207,7 +207,7 @@ def causes_of_parts(face: Face, run: Run, names: Sequence[str], settings: Sectio
     """
     if not (sources := add_correction_source(settings["uncertainty"]["sources"], face.window)):
         return []
-    parts = _levelled_parts(face.window)
+    parts = levelled_parts(face.window)
     part, instrument = parts[0], stated_instrument(face.window, settings["instrument"])
     courses = [run(piece) for piece in (parts if "window" in sources else parts[:1])]
     on_parts = [on_scales(course, names) for course in courses]
@@ -228,7 +228,7 @@ def causes_of_parts(face: Face, run: Run, names: Sequence[str], settings: Sectio
 
     if "instrument" in sources:
         result = Result(part, {"mean_pressure": np.nan}, values_of(courses[0]), solve)
-        measured_part = None if face.as_measured is None else _levelled_parts(face.as_measured)[0]
+        measured_part = None if face.as_measured is None else levelled_parts(face.as_measured)[0]
         causes += instrument_components(result, instrument, measured_part, undone(part, instrument))[0]
     for key in (key for key in INPUTS if OF_MATERIAL.get(key, "instrument") in sources):
         factors = ends(1.0, settings["contact"].get(name_of_range(key)) or instrument.get(key))
