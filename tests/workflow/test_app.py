@@ -1371,7 +1371,7 @@ class TestPages:
                 browser.text("#run .doubt") == "1 of 3 files cannot be read as they are: see what they need."
             )
             # what the array does not say has a field for each
-            for column, text in (("dx", "1 um"), ("dy", "1 um"), ("unit", "um")):
+            for column, text in (("dx", "1 um"), ("dy", "1 um"), ("height_unit", "um")):
                 browser.tab_to(f".row [name$='.{column}']")
                 browser.type(text)
             for name, text in (
