@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from roughcontact.arguments.checking import MAX_GRADIENT
 from roughcontact.arguments.quantities import number, percent, quantity
@@ -39,7 +38,8 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN
     """Return the implausible properties of a map (ny, nx; m; steps in m), with the numbers they rest on."""
     finite = height[np.isfinite(height)]
     low, high = finite.min(), finite.max()
-    spikes = list(_extremes(finite, low, high))
+    levels, counts = counted_levels(finite)
+    spikes = list(_extremes(finite, isolated_ends(levels), low, high))
     doubts = _geometry(height.shape, dx, dy)
     # a few points far from all others determine the span: they have a warning of their own
     span = np.ptp(np.quantile(_sample(finite), _CENTRAL_QUANTILES)) if spikes else high - low
@@ -48,7 +48,7 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = UNKNOWN
         heights = [f"all heights are equal ({quantity(low, 'm')}): the map is flat or holds no measurement"]
     else:
         units += _slopes(height, dx, dy)
-        heights = [*_levels(height, finite, low, high), *_lines(height), *_noise(height)]
+        heights = [*_levels(height, finite, levels, counts), *_lines(height), *_noise(height)]
     doubts += [Suspicion("units", finding) for finding in units]
     doubts += [Suspicion("spikes", text, "level.outlier_threshold finds isolated ones") for text in spikes]
     return doubts + [Suspicion("heights", finding) for finding in heights]
@@ -98,34 +98,38 @@ def quantisation_step(height: np.ndarray) -> float | None:
     return float(step) if step >= 2 * rounding and np.mean(drift < 0.1) >= 0.9 else None
 
 
-def frequent_levels(heights: np.ndarray, *, min_points: int = 4) -> list[tuple[float, float]]:
+def counted_levels(heights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the different values of heights, rising, and how many heights have each, of a sample."""
+    return np.unique(_sample(heights), return_counts=True)
+
+
+def frequent_levels(levels: np.ndarray, counts: np.ndarray, minimum: int = 4) -> list[tuple[float, float]]:
     """Return the levels with far more of the heights than chance brings there, and their shares.
 
-    They have `min_points` and more, and three times as many as each of the forty levels on either side.
+    They have the `minimum` of points and more, and three times as many as each of the forty levels on either
+    side.
 
     Examples
     --------
-    >>> frequent_levels(np.append(np.arange(0.5, 90.0), [7.0] * 10))
+    >>> frequent_levels(*counted_levels(np.append(np.arange(0.5, 90.0), [7.0] * 10)))
     [(7.0, 0.1)]
     """
-    sample = _sample(heights)
-    levels, counts = np.unique(sample, return_counts=True)
+    shares = counts / counts.sum()
+    candidates = np.flatnonzero((counts >= minimum) & (shares > _PLATEAU))
     padded = np.pad(counts, _NEIGHBOURS, constant_values=1)
-    highest = sliding_window_view(padded, _NEIGHBOURS).max(axis=1)
-    around = np.maximum(highest[: counts.size], highest[_NEIGHBOURS + 1 :])
-    is_frequent = (counts >= np.maximum(3 * around, min_points)) & (counts > _PLATEAU * sample.size)
-    return [*zip(levels[is_frequent].tolist(), (counts[is_frequent] / sample.size).tolist(), strict=True)]
+    around = np.delete(np.arange(2 * _NEIGHBOURS + 1), _NEIGHBOURS)  # of each in the padded counts
+    frequent = candidates[counts[candidates] >= 3 * padded[candidates[:, None] + around].max(axis=1)]
+    return [*zip(levels[frequent].tolist(), shares[frequent].tolist(), strict=True)]
 
 
-def isolated_ends(heights: np.ndarray) -> list[float]:
-    """Return the lowest and the highest of heights, where it is further from all others than they span.
+def isolated_ends(levels: np.ndarray) -> list[float]:
+    """Return the lowest and the highest of rising levels, where it is further from all others than they span.
 
     Examples
     --------
     >>> isolated_ends(np.append(np.arange(9.0), 40.0)), isolated_ends(np.arange(9.0))
     ([40.0], [])
     """
-    levels = np.unique(_sample(heights))
     extremes = zip(levels[[0, -1]], np.diff(levels)[[0, -1]], strict=True) if levels.size > 3 else ()
     return [float(height) for height, gap in extremes if 2 * gap > np.ptp(levels)]
 
@@ -181,9 +185,8 @@ def _slopes(height: np.ndarray, dx: float, dy: float) -> Iterator[str]:
         yield f"the slopes are {wrong}: check the units of heights and steps"
 
 
-def _extremes(heights: np.ndarray, low: float, high: float) -> Iterator[str]:
-    """Suspect points far from all others."""
-    isolated = isolated_ends(heights)
+def _extremes(heights: np.ndarray, isolated: list[float], low: float, high: float) -> Iterator[str]:
+    """Suspect points far from all others, among them the `isolated` ones."""
     if heights.size < (_NEIGHBOURS if isolated else 100):
         return
     is_far = np.isin(heights, isolated)
@@ -200,9 +203,9 @@ def _extremes(heights: np.ndarray, low: float, high: float) -> Iterator[str]:
             yield sentence("far points", points=points, where=where, between=between)
 
 
-def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) -> Iterator[str]:
+def _levels(height: np.ndarray, heights: np.ndarray, levels: np.ndarray, counts: np.ndarray) -> Iterator[str]:
     """Suspect few levels that are no multiples of a step, and plateaus; of a step the statistics judge."""
-    levels = np.unique(_sample(heights))
+    low, high = heights.min(), heights.max()
     is_large = heights.size >= 100
     has_many = is_large and levels.size >= _FEW_LEVELS
     if is_large and not has_many and quantisation_step(height) is None:
@@ -214,7 +217,7 @@ def _levels(height: np.ndarray, heights: np.ndarray, low: float, high: float) ->
         share = count / heights.size
         if count > 1 and share > _PLATEAU:  # one point is always at the extreme
             yield sentence("saturated", share=percent(share), name=name, value=quantity(value, "m"))
-    candidates = [pair for pair in frequent_levels(heights) if not has_many or low < pair[0] < high]
+    candidates = [pair for pair in frequent_levels(levels, counts) if not has_many or low < pair[0] < high]
     for level, level_share in sorted(candidates, key=lambda pair: pair[1])[-1:]:
         yield sentence("plateau", share=percent(level_share), value=quantity(level, "m"))
 

@@ -16,7 +16,7 @@ from roughcontact.arguments.checking import marker_values
 from roughcontact.arguments.quantities import counted_noun, quantity
 from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.channels import NO_TOPOGRAPHY, Channel, MeasuredFile
-from roughcontact.io.plausibility import frequent_levels, isolated_ends
+from roughcontact.io.plausibility import counted_levels, frequent_levels, isolated_ends
 from roughcontact.io.request import Request
 from roughcontact.io.text.header import LONGEST_QUOTE, NUMBER, SLACK, WIDEST_SLACK, number_and_rounding
 from roughcontact.io.units import is_length, metres
@@ -162,7 +162,8 @@ def conspicuous(heights: np.ndarray) -> set[float]:
     >>> sorted(conspicuous(np.append(np.arange(0.5, 100.0), [7.0, 7.0, 7.0, -999.0])))
     [-999.0, 7.0]
     """
-    return {*isolated_ends(heights), *(level for level, _ in frequent_levels(heights, min_points=3))}
+    levels, counts = counted_levels(heights)
+    return {*isolated_ends(levels), *(level for level, _ in frequent_levels(levels, counts, minimum=3))}
 
 
 def sources(file: MeasuredFile, channel: Channel, request: Request) -> dict[str, str]:
