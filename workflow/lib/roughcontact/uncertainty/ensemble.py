@@ -42,7 +42,7 @@ def solve_member(
     contact, steps = {**contact, "mean_pressure": pressures}, spacing(window)
     if on_form := contact.get("on_form"):
         window = on_form(window)
-    area, highest = window.size * steps[0] * steps[1], float(window.max())
+    area, highest = window.size * steps[0] * steps[1], float(window.values.max())
     unit = area / contact.get("area", area)  # the contact area counts over that of the map
     single = tolerance >= TOLERANCE or contact.get("precision") == "single"
     solutions = solved_fields(window, contact, tolerance=tolerance, precision=SINGLE if single else DOUBLE)

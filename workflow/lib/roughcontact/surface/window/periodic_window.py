@@ -132,10 +132,12 @@ def periodic_window(
     cut = _largest_cut(levelled, values, fade, min_share, whole_periods=placement == "whole-periods")
     missing = bool(np.isnan(values).any())
     del values  # memory may not hold more than is needed of a large map
-    cut_map, periodic_map = _cut_out(levelled, cut, method=method, width=width)
+    periodic_map = _cut_out(levelled, cut, method=method, width=width)
+    offsets = [s + b // 2 for s, b in zip(cut.start, cut.band, strict=True)]
+    cut_map = levelled.isel({d: slice(o, o + n) for d, o, n in zip("yx", offsets, cut.sides, strict=True)})
     # over the cut alone: a mirrored map is larger, and its images change nothing
     change = periodic_map.values[: cut_map.shape[0], : cut_map.shape[1]] - cut_map.values
-    offset = [(s + b // 2) * d for s, b, d in zip(cut.start, cut.band, spacing(levelled), strict=True)]
+    offset = [points * step for points, step in zip(offsets, spacing(levelled), strict=True)]
     changes = {
         "periodisation": method,
         "periodisation_rms_change": float(np.sqrt(np.mean(np.square(change, out=change)))),
@@ -161,26 +163,23 @@ def subwindow(
     The options are those of `periodic_window`, of which placement and least share do not count.
     """
     fade = width if method in _BLENDING_METHODS else 0.0
-    _, periodic_part = _cut_out(part, _largest_cut(part, part.values, fade, 0.0), method=method, width=width)
+    periodic_part = _cut_out(part, _largest_cut(part, part.values, fade, 0.0), method=method, width=width)
     periodic_part = periodic_part.assign_attrs(part.attrs, periodisation=method)
     return in_band(corrected(periodic_part, correct_for) if correct_for else periodic_part, **band)
 
 
-def _cut_out(
-    height: xr.DataArray, cut: _Cut, *, method: WindowMethod, width: float
-) -> tuple[xr.DataArray, xr.DataArray]:
-    """Return the cut-out without its bands, and it made periodic."""
+def _cut_out(height: xr.DataArray, cut: _Cut, *, method: WindowMethod, width: float) -> xr.DataArray:
+    """Return the cut-out made periodic."""
     step, band = spacing(height), cut.band
     part = height.isel({d: slice(s, s + u) for d, s, u in zip("yx", cut.start, cut.used, strict=True)})
-    cut_map = part.isel({d: slice(b // 2, b // 2 + n) for d, b, n in zip("yx", band, cut.sides, strict=True)})
     heights, flags = _made_periodic(part, method, band, width, step)
     coords = {
         # from the first point in even steps, as a mirrored map has no coordinates to take over
-        d: xr.Variable(d, cut_map[d].values[0] + s * np.arange(n), part[d].attrs)
-        for d, s, n in zip("yx", step, heights.shape, strict=True)
+        d: xr.Variable(d, part[d].values[b // 2] + s * np.arange(n), part[d].attrs)
+        for d, b, s, n in zip("yx", band, step, heights.shape, strict=True)
     }
     coords["filled"] = xr.Variable(("y", "x"), flags)
-    return cut_map, xr.DataArray(heights, dims=("y", "x"), coords=coords, name="height")
+    return xr.DataArray(heights, dims=("y", "x"), coords=coords, name="height")
 
 
 def _filled_points(height: xr.DataArray) -> np.ndarray:
