@@ -10,6 +10,7 @@ from small_project import QUICK, SETTINGS, TABLE, Project
 
 from roughcontact.results.storage import read_dataset, write_dataset
 from roughcontact.study.records import LAST_RESULTS
+from roughcontact.study.running import CONTENT_TRIGGERS, run_workflow
 
 DRAWN = {"panel": 1, "report": 1}  # of one surface
 SOLVED = {"contact": 1, **DRAWN}
@@ -95,6 +96,39 @@ def test_what_is_not_as_the_last_run_has_left_it_is_made_again(study, changes, e
     for name, replace in changes.items():
         replace(study.path(f"results/{name}"))
     assert study.jobs() == expected
+
+
+def test_where_that_run_is_killed_the_next_one_makes_it_again(study):
+    """By content alone, whatever the dates."""
+    result = study.path("results/turned/contact.nc")
+    of_other_settings(result)
+    record = study.path(".snakemake/metadata") / urlsafe_b64encode(b"results/turned/contact.nc").decode()
+    run = study.start()
+    study.wait_for(run, lambda: not record.exists())
+    for process in [*run.children(recursive=True), run]:
+        process.kill()
+    run.wait()
+    study.run("--unlock")
+    assert study.jobs(*CONTENT_TRIGGERS, "--rerun-incomplete").items() >= SOLVED.items()
+
+
+def test_a_study_from_before_an_installation_is_not_solved_again(study, checkout, capfd):
+    """An installation dates the scripts of today, whatever they say."""
+    for path in filter(os.path.isfile, study.folder.rglob("*")):
+        date = path.stat().st_mtime_ns - 10**17  # three years
+        os.utime(path, ns=(date, date))
+    options = ["--directory", str(study.folder), "--configfile", str(study.path("settings.yaml")), "-n"]
+    assert run_workflow(options) == 0
+    assert "Nothing to be done" in "".join(capfd.readouterr())
+    script = checkout / "workflow/scripts/contact.py"
+    text, times = script.read_text(), script.stat()
+    try:
+        script.write_text(f"{text}\n")
+        os.utime(script, (1e9, 1e9))
+        assert study.jobs(*CONTENT_TRIGGERS) == {"contact": 2, "panel": 2, "report": 1}
+    finally:
+        script.write_text(text)
+        os.utime(script, ns=(times.st_atime_ns, times.st_mtime_ns))
 
 
 @pytest.mark.parametrize("note", [None, "", "{}", "[]", "3", '{"results/summary.csv": 1}'])

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from roughcontact.errors import InputFileError, RoughContactError
 from roughcontact.study.checksums import checksum
-from roughcontact.study.places import PARTIAL, date_back
+from roughcontact.study.places import PARTIAL
 from roughcontact.study.plan import Plan
 from roughcontact.study.study import read_study
 from snakemake_logger_plugin_roughcontact.screen import BAR, ERASE, read_record
@@ -77,8 +77,6 @@ def report_finished(plan: Plan) -> "list[Failure]":
         # before anything is written: the next run makes the report again, also where the disk is full now
         PARTIAL.write_text(f"{time.time_ns()}\n", encoding="utf-8")
         write_results(PAGE.parent, finished=finished, **plan.report_arguments(), failures=failures)
-        # of a first report Snakemake has no record whose params it compares
-        date_back(PAGE.with_name("uncertainty.csv"))
     return failures
 
 

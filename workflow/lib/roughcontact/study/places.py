@@ -42,11 +42,6 @@ def stale_results(results: Iterable[str], root: str | Path = "results") -> list[
     return sorted(folder.as_posix() for folder in folders - {Path(root, result) for result in results})
 
 
-def date_back(path: str | Path) -> None:
-    """Date a result before the script that makes it, 1970, so that Snakemake makes it again."""
-    os.utime(path, (1, 1))
-
-
 def check_dates(paths: Iterable[str]) -> None:
     """Raise an InputFileError where a file is from the future: what is made of it would count as older."""
     present_time = time.time()

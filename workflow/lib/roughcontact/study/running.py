@@ -20,6 +20,8 @@ from roughcontact.study.yaml_text import check_yaml
 PACKAGE = Path(__file__).parents[1]
 _PROFILES = ("--profile", "--workflow-profile", "--executor", "-e")
 _CORES = ("--cores", "-c", "--jobs", "-j", *_PROFILES)
+# all but that of code, which compares dates of scripts: an installation would make every result again
+CONTENT_TRIGGERS = ("--rerun-triggers", "input", "mtime", "params", "software-env")
 # with one of these the screen is Snakemake's own
 _SHOW = ("--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag")
 # with one of these Snakemake runs nothing, and asks for no lock
@@ -64,7 +66,7 @@ def run_workflow(arguments: Sequence[str]) -> int:
     # the other one starts a process for each choice, to weigh temporary files, of which there are none
     command += ["--scheduler", "greedy"]
     if not any(option.split("=")[0] in _PROFILES for option in arguments):
-        command += ["--workflow-profile", "none"]
+        command += ["--workflow-profile", "none", *CONTENT_TRIGGERS]
         if sys.platform == "linux":  # elsewhere libraries do not survive a fork
             command += ["--executor", "roughcontact"]
     unlocks, folder = "--unlock" in arguments, options.directory
