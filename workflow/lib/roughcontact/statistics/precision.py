@@ -12,8 +12,8 @@ from roughcontact.arguments.quantities import number
 from roughcontact.statistics.decisions import gap_is_closed, is_yielding
 
 PERCENT, FACTOR, MAGNITUDE = 30, 3.0, 10.0  # widest: half-width in percent of the value, end over value
-# percents are rounded up: unrounded 90 % of such answers of measured maps hold, rounded 93 %
-_STEP, _SMALLEST_PERCENTS = 5, 10
+# percents and factors are rounded up: unrounded 90 % of such answers of measured maps hold, rounded 93 %
+_STEP, _SMALLEST_PERCENTS, _STEP_OF_FACTOR = 5, 10, 0.1
 
 
 def relative_half_width(
@@ -54,22 +54,27 @@ def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
 
     Examples
     --------
-    >>> [precision(1.0, *ends) for ends in ((0.98, 1.01), (0.83, 1.1), (0.5, 1.2), (0.2, 3.0), (0.0, 1.5))]
-    [('percent', 10.0), ('percent', 20.0), ('factor', 2.0), ('magnitude', 10.0), ('not', nan)]
+    >>> [precision(1.0, *ends) for ends in ((0.98, 1.01), (0.83, 1.1), (0.49, 1.2), (0.2, 3.0), (0.0, 1.5))]
+    [('percent', 10.0), ('percent', 20.0), ('factor', 2.1), ('magnitude', 10.0), ('not', nan)]
     """
     if lower == value == upper:  # of a gap that is closed everywhere, of full contact
         return "percent", float(_SMALLEST_PERCENTS)
     if value > 0 and math.isfinite(lower + upper):
         half_width, factor = max(value - lower, upper - value) / value, math.inf
-        # rounding must not lift 30 to 35 percent
-        percents = max(_SMALLEST_PERCENTS, _STEP * math.ceil(100 * half_width / _STEP - 1e-9))
+        percents = max(_SMALLEST_PERCENTS, _rounded_up(100 * half_width, _STEP))
         if percents <= PERCENT:
             return "percent", float(percents)
         if lower > 0:
             factor = max(upper / value, value / lower)
         if factor <= MAGNITUDE:
+            factor = _rounded_up(factor, _STEP_OF_FACTOR)
             return ("factor", factor) if factor <= FACTOR else ("magnitude", MAGNITUDE)
     return "not", math.nan
+
+
+def _rounded_up(width: float, step: float) -> float:
+    """Return the least multiple of a step that is not narrower than a width, up to the rounding of numbers."""
+    return round(step * math.ceil(width / step - 1e-9), 9)
 
 
 def is_known(value: float, lower: float, upper: float) -> bool:
