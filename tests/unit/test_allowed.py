@@ -36,6 +36,17 @@ def test_a_number_that_rises_holds_up_to_a_load():
     np.testing.assert_allclose(bounds, [3.0, 3 / 2**0.5, 3 * 2**0.5])
 
 
+@pytest.mark.parametrize("trend", [-1, 1])
+def test_bounds_hold_where_no_power_law_passes_through_two_loads(trend):
+    """A leak falls faster and faster with the load: e^-p is e^-3 at 3, the power law from 1 to 10 at 1.7."""
+    loads = np.array([1.0, 10.0])
+    value = np.exp(trend * loads)
+    _, (_, lower, upper) = compare(
+        loads, (value, 0.99 * value, 1.01 * value), allowed=np.exp(3 * trend), trend=trend
+    )
+    assert lower < 3 < upper
+
+
 @pytest.mark.parametrize(
     ("trend", "allowed", "expected"),
     [

@@ -73,7 +73,7 @@ def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
 
 
 def _rounded_up(width: float, step: float) -> float:
-    """Return the least multiple of a step that is not narrower than a width, up to the rounding of numbers."""
+    """Return the least multiple of a step that is not narrower than a width, up to rounding errors."""
     return round(step * math.ceil(width / step - 1e-9), 9)
 
 
