@@ -159,8 +159,8 @@ class KindFacts:
         self, settings: Sections, defaults: Sections, properties: Collection[str] = ()
     ) -> Iterator[tuple[str, str]]:
         """Yield name and mistake of each setting that was changed although it does not apply."""
-        usual = dict(_one_by_one(defaults))
-        for name, value in _one_by_one(settings):
+        usual = dict(named_settings(defaults))
+        for name, value in named_settings(settings):
             reason = self.reason_against(f"{name} = {value!r}", properties)
             if reason and value != usual.get(name):
                 yield name, f" = {_as_stated(value)!r}: {reason}"
@@ -294,17 +294,23 @@ def facts_of_settings(settings: Mapping[str, Any]) -> KindFacts:
     return next((facts for facts in KIND_FACTS if facts.is_stated(form, contact)), PERIODIC_MAP)
 
 
+def named_settings(settings: Mapping[str, Any], where: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the full name and the value of each setting, of groups within a section and what is in them.
+
+    Examples
+    --------
+    >>> dict(named_settings({"statistics": {"seal": {"width": 1e-3}}}))
+    {'statistics.seal': {'width': 0.001}, 'statistics.seal.width': 0.001}
+    """
+    for key, value in settings.items():
+        if where or not isinstance(value, Mapping):
+            yield f"{where}{key}", value
+        if isinstance(value, Mapping):
+            yield from named_settings(value, f"{where}{key}.")
+
+
 def _as_stated(value: Any) -> Any:
     """Return a value as settings state it: of a group what is given, and true for no load in particular."""
     if isinstance(value, Mapping):
         return {key: entry for key, entry in value.items() if entry is not None}
     return True if value == [] else value
-
-
-def _one_by_one(settings: Mapping[str, Any], where: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the full name and the value of each setting, of groups within a section and what is in them."""
-    for key, value in settings.items():
-        if where or not isinstance(value, Mapping):
-            yield f"{where}{key}", value
-        if isinstance(value, Mapping):
-            yield from _one_by_one(value, f"{where}{key}.")

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from roughcontact.arguments.bodies import check_bodies
-from roughcontact.arguments.kinds import facts_of_settings
+from roughcontact.arguments.kinds import facts_of_settings, named_settings
 from roughcontact.arguments.materials import contact_modulus
 from roughcontact.arguments.named_materials import TRANSPORT, modulus_uncertainty, named_bodies
 from roughcontact.arguments.ranges import OF_BODIES, ends, name_of_range, shares_of_range
@@ -24,11 +24,11 @@ from roughcontact.errors import SettingsError
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure", "force"))
 # what steel on PEEK is written as
 _BODIES = "bodies: [steel, {youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
-# keys of `statistics`, what they need one of, and what is wrong without
+# settings or values, what they need one of, and what is wrong without
 _NEEDS = [
-    (key, {*any_of.split()}, text)
+    (key, {*any_of.split(", ")}, text)
     for keys, any_of, text in rows_beside(__file__, "needs.tsv")
-    for key in keys.split()
+    for key in keys.split(", ")
 ]
 _RIGID = 0.01  # share of a rigid face in the displacement
 # keys that are the same for all cases
@@ -100,6 +100,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         relaxation_mistakes,
         facts_of_settings(settings).mistakes(settings, defaults, properties),
         _mistakes_in_loads(contact),
+        _mistakes_in_needs(settings),
         _mistakes_in_statistics(settings),
         _mistakes_in_creep(contact),
         _mistakes_in_sequences(settings),
@@ -137,57 +138,46 @@ def _complete_bodies(contact: Any) -> list[tuple[str, str]]:
 
 
 def _mistakes_in_loads(contact: Mapping[str, Any]) -> Mistakes:
-    """Yield what is wrong with the loads, those that are to be found, and the one that is taken off."""
-    hardness, unload, target = contact["hardness"], contact["unload"], contact["target"] or ()
+    """Yield what is wrong with the loads, and those that are to be found."""
     for key in (*_ALTERNATIVES[1], "target_area", "target_gap", "target", "unload"):
         values = contact[key] or ()
         if twice := [value for i, value in enumerate(values) if value in values[:i]]:
             yield f"contact.{key}", f": {twice[0]} occurs twice; state each load once"
-    if contact["hardness_uncertainty"] is not None and not hardness:
-        yield "contact.hardness_uncertainty", ": needs a hardness, or leave it out"
-    yields = hardness or any(material["yield_stress"] for _, material in located_materials(contact["bodies"]))
-    if "first_yield" in target and not yields:
+    yields = any(material["yield_stress"] for _, material in located_materials(contact["bodies"]))
+    if "first_yield" in (contact["target"] or ()) and not (contact["hardness"] or yields):
         yield "contact.target", ": first_yield needs the yield_stress of a body, or a hardness"
-    if unload is not None and hardness is None:
-        text = ": needs a hardness, since an elastic contact is unloaded the way it was loaded; "
-        yield "contact.unload", f"{text}state contact.hardness, or that of a body, or leave unload out"
-    if unload is not None and not contact["keep_fields"]:
-        yield "contact.unload", ": needs the maps of the contact; leave keep_fields at true, or unload out"
+
+
+def _mistakes_in_needs(settings: Mapping[str, Any]) -> Mistakes:
+    """Yield the settings of which nothing is stated that they need."""
+    bodies, facts = settings["contact"]["bodies"] or (), facts_of_settings(settings)
+    of_bodies = (*TRANSPORT, "relaxation", "creep_modulus")
+    stated = {name for name in of_bodies if any(body[name] for body in bodies)}
+    for name, value in named_settings(settings):
+        stated |= {name, f"{name} = {value!r}"} if value is not None else set()
+    for key, any_of, text in _NEEDS:
+        # what is excluded needs nothing
+        excluded = facts.reason_against(key) or facts.reason_against(key.rpartition(".")[0])
+        if key in stated and not stated & any_of and not excluded:
+            name, equals, value = key.partition(" = ")
+            yield name, f"{equals}{value}: {text}"
 
 
 def _mistakes_in_statistics(settings: Mapping[str, Any]) -> Mistakes:
-    """Yield what is asked of the statistics although what it needs is not stated, or is excluded."""
-    contact, statistics = settings["contact"], settings["statistics"]
-    given_keys = {key for key, value in statistics.items() if value is not None}
-    for section in given_keys & {"seal", "joint", "friction", "requirement"}:
-        given_keys |= {f"{section}.{key}" for key, value in statistics[section].items() if value is not None}
-    given_keys |= {"area"} if contact["area"] else set()
-    for key in TRANSPORT:
-        if any(body[key] for body in contact["bodies"] or ()):
-            given_keys.add(key)
-    facts = facts_of_settings(settings)
-    for key, any_of, text in _NEEDS:
-        # what is excluded needs nothing
-        excluded = any(facts.reason_against(f"statistics.{name}") for name in (key, key.partition(".")[0]))
-        if key in given_keys and not given_keys & any_of and not excluded:
-            yield f"statistics.{key}", f": {text}"
-    if statistics["stress"] == "always" and not contact["bodies"]:
-        yield "statistics.stress", " = 'always': needs contact.bodies, for their Poisson's ratios"
-    if "seal" in given_keys and statistics["flow"] == "never":
-        yield "statistics.seal", ": leaks by the flow, and statistics.flow = 'never'; leave one of them out"
-    if "friction.tangential_load" in given_keys and contact["hardness"] is not None:
+    """Yield what is asked of the statistics twice, or although the hardness excludes it."""
+    statistics, hardness = settings["statistics"], settings["contact"]["hardness"]
+    if (statistics["friction"] or {}).get("tangential_load") and hardness is not None:
         text = (
-            f": stick and slip are of elastic bodies, and the hardness is {contact['hardness']:g} Pa; leave "
+            f": stick and slip are of elastic bodies, and the hardness is {hardness:g} Pa; leave "
+            "tangential_load out, or the hardness, which of a material by its name is "
+            "{material: steel, hardness: null}"
         )
-        advice = "tangential_load out, or the hardness, which of a material by its name is "
-        yield "statistics.friction.tangential_load", f"{text}{advice}{{material: steel, hardness: null}}"
-    for name in statistics["requirement"] or ():
-        allowed_keys = [key for key in given_keys if key.rpartition(".")[2] == f"allowed_{name}"]
-        if f"requirement.{name}" in given_keys and allowed_keys:
-            yield (
-                f"statistics.{allowed_keys[0]}",
-                f": is the same limit as requirement.{name}; state one of them",
-            )
+        yield "statistics.friction.tangential_load", text
+    stated = {name for name, value in named_settings({"statistics": statistics}) if value is not None}
+    for key in sorted(stated):
+        name = key.rpartition(".allowed_")[2]
+        if f"statistics.requirement.{name}" in stated:
+            yield key, f": is the same limit as requirement.{name}; state one of them"
 
 
 def _mistakes_in_creep(contact: Mapping[str, Any]) -> Mistakes:
@@ -199,8 +189,6 @@ def _mistakes_in_creep(contact: Mapping[str, Any]) -> Mistakes:
         yield "contact.bodies", f": layers creep otherwise than a body; leave {key} out"
     if contact["time"] and creeping:
         yield "contact.time", ": is of a relaxation; a creep_modulus has its own times"
-    elif contact["time"] and not any(body["relaxation"] for body in bodies):
-        yield "contact.time", ": needs the relaxation of a body"
     if len({tuple(body["creep_modulus"]) for body in creeping}) > 1:
         yield "contact.bodies", ": both creep moduli need the same times, in the same order"
 
@@ -245,15 +233,14 @@ def _mistakes_in_sliding(sliding: Mapping[str, Any], contact: Mapping[str, Any])
     elif contact_modulus(bodies) < (1 - _RIGID) * contact_modulus(relaxing):
         text = ": the face is taken to be rigid, and gives way by more than a percent of what the rubber does"
         yield "sliding.speed", text
-    if contact["influence"] != "sampled":
-        yield "sliding.speed", ": rubber that slides is solved with contact.influence: sampled"
     # that of a stiff face by its name limits nothing
     softer = [body["hardness"] for body in bodies if not body["relaxation"]]
     if contact["hardness"] and contact["hardness"] not in softer:
         text = (
             f": rubber that slides does not flow, and the hardness is {contact['hardness']:g} Pa; leave it "
+            "out, or state that of the face, in bodies"
         )
-        yield "sliding.speed", f"{text}out, or state that of the face, in bodies"
+        yield "sliding.speed", text
 
 
 def _derive(contact: dict[str, Any]) -> None:
@@ -317,8 +304,8 @@ def _mistakes_in_alternatives(settings: Mapping[str, Any]) -> Mistakes:
     bodies = contact["bodies"] if isinstance(contact.get("bodies"), list) else []
     of_bodies = any(isinstance(body, dict) and body.get("hardness") is not None for body in bodies)
     if "hardness" in given_keys and of_bodies:
-        text = ": hardness given of the contact and of a body; give it of the bodies (the softer counts) or "
-        yield "contact", f"{text}of the contact"
+        text = "hardness given of the contact and of a body; give it of the bodies (the softer counts) or of"
+        yield "contact", f": {text} the contact"
 
 
 def _mistakes_in_bodies(bodies: Sequence[Mapping[str, Any]]) -> Mistakes:
