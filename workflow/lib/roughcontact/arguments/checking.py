@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from inspect import signature
 from typing import TYPE_CHECKING, Any, cast
 
-from roughcontact.arguments.kinds import facts_of
+from roughcontact.arguments.kinds import facts_of, properties_of_map
 from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
 
 if TYPE_CHECKING:  # a run with nothing to do imports this module, but no large library
@@ -108,7 +108,12 @@ def check_solution(contact: object, *, of_loads: bool = True) -> None:
 def check_periodic_solution(contact: "xr.Dataset") -> None:
     """Raise SettingsError for anything else than a solution of a periodic map, with its maps."""
     check_solution(contact)
-    if reason := facts_of(contact.attrs).reason_against("solution"):
+    check_applies("solution", contact.attrs)
+
+
+def check_applies(name: str, attrs: Mapping[Any, Any]) -> None:
+    """Raise SettingsError where a function does not apply to the kind of a map, by its attributes."""
+    if reason := facts_of(attrs).reason_against(name, properties_of_map(attrs)):
         raise SettingsError(reason)
 
 

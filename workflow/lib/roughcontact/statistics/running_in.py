@@ -23,9 +23,8 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.bodies import check_bodies
-from roughcontact.arguments.checking import check_positive
+from roughcontact.arguments.checking import check_applies, check_positive
 from roughcontact.arguments.choices import Influence, ZeroFrequency
-from roughcontact.arguments.kinds import facts_of, properties_of_map
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.quantities import number, quantity
 from roughcontact.arguments.si import as_si
@@ -147,8 +146,7 @@ def run_in(
     >>> worn["worn_volume"].values.round(6), worn["relative_contact_area"].values.round(2)
     (array([0.  , 0.02]), array([0.34, 0.86]))
     """
-    if reason := facts_of(window.attrs).reason_against("run_in", properties_of_map(window.attrs)):
-        raise SettingsError(reason)
+    check_applies("run_in", window.attrs)
     if np.ndim(wear_coefficient) > 0:
         raise SettingsError(
             f"wear_coefficient = {wear_coefficient!r}: give one, of the rough face; the smooth counterface "

@@ -29,8 +29,7 @@ import scipy
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, FRICTION, GAP, PEAK, PRESSURE
-from roughcontact.arguments.checking import check_positive, warn_of_map
-from roughcontact.arguments.kinds import facts_of, properties_of_map
+from roughcontact.arguments.checking import check_applies, check_positive, warn_of_map
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.relaxation import Relaxation, relaxation_of
 from roughcontact.arguments.si import as_si
@@ -162,8 +161,7 @@ def sliding_friction(
     >>> sliding["hysteretic_friction_coefficient"].values.round(3)
     array([0.109, 0.085, 0.001])
     """
-    if reason := facts_of(window.attrs).reason_against("sliding_friction", properties_of_map(window.attrs)):
-        raise SettingsError(reason)
+    check_applies("sliding_friction", window.attrs)
     rubber = relaxation_of(relaxation, poissons_ratio=poissons_ratio)
     speeds = check_loads("speed", speed, unit="m/s")
     load = check_positive("mean_pressure", mean_pressure, unit="Pa")
