@@ -107,7 +107,7 @@ def test_height_parameters_keep_their_order(values):
 def test_band_and_rest_make_up_the_variance(values, a, b):
     height = height_map(values, (2.0, 1.0))
     try:
-        band = limit_band(height, shortest=min(a, b), longest=max(a, b) + 1e-3, reliable=False)
+        band = limit_band(height, shortest_wavelength=min(a, b), longest_wavelength=max(a, b) + 1e-3)
     except ValueError as error:
         assert "no wave" in str(error)  # noqa: PT017
         return

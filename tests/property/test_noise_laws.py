@@ -125,7 +125,7 @@ def test_the_noise_that_remains_is_that_of_many_draws(shape, pitch, s_filter, sh
     if s_filter:
         window = rc.level(window, form="none", s_filter=s_filter)
     if shortest:
-        window = limit_band(window, shortest=shortest, longest=None, reliable=False)
+        window = limit_band(window, shortest_wavelength=shortest)
     for seed in range(24):
         white = noisy(height_map(np.zeros(shape), pitch), 1e-9, 4, seed)
         if s_filter:  # as of a periodic map
@@ -133,7 +133,7 @@ def test_the_noise_that_remains_is_that_of_many_draws(shape, pitch, s_filter, sh
             middle = tuple(slice(0, 1) if n == 1 else slice(n, 2 * n) for n in shape)
             white = white.copy(data=gaussian_mean_surface(tiled, spacing(white), s_filter)[middle])
         if shortest:
-            white = limit_band(white, shortest=shortest, longest=None, reliable=False)
+            white = limit_band(white, shortest_wavelength=shortest)
         squares.append((float(white.std()) ** 2, rms_gradient(white) ** 2))
     rms_height, gradient = noise_that_remains(window, 1e-9)
     assert (rms_height, gradient) == pytest.approx(tuple(np.sqrt(np.mean(squares, axis=0))), rel=0.03)

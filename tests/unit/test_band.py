@@ -19,7 +19,9 @@ def three_waves():
 
 
 def limited(height, *, shortest=None, longest=None, reliable=False):
-    return limit_band(height, shortest=shortest, longest=longest, reliable=reliable)
+    return limit_band(
+        height, shortest_wavelength=shortest, longest_wavelength=longest, reliable_band=reliable
+    )
 
 
 def test_waves_outside_the_band_go_and_those_inside_stay():

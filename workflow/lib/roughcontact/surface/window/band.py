@@ -64,11 +64,15 @@ def shortest_reliable_wave(window: xr.DataArray) -> float:
 
 
 def limit_band(
-    window: xr.DataArray, *, shortest: float | None, longest: float | None, reliable: bool
+    window: xr.DataArray,
+    *,
+    shortest_wavelength: float | None = None,
+    longest_wavelength: float | None = None,
+    reliable_band: bool = False,
 ) -> xr.DataArray:
-    """Return a periodic map (m) limited to 2 pi / longest <= |q| <= 2 pi / shortest, with a record.
+    """Return a periodic map (m) limited to waves from the shortest to the longest one, with a record.
 
-    `reliable` removes waves shorter than `reliable_wavelength` as well; the mean is unchanged.
+    `reliable_band` removes waves shorter than `reliable_wavelength` as well; the mean is unchanged.
 
     Examples
     --------
@@ -77,10 +81,11 @@ def limit_band(
     >>> x = np.arange(64)
     >>> long, short = np.cos(2 * np.pi * x / 32), np.cos(2 * np.pi * x / 4)
     >>> window = height_map((long + short)[None, :], 1.0)
-    >>> limited = limit_band(window, shortest=8.0, longest=None, reliable=False)
+    >>> limited = limit_band(window, shortest_wavelength=8.0)
     >>> bool(np.allclose(limited, long)), round(limited.attrs["band_removed_rms_height"], 3)
     (True, 0.707)
     """
+    shortest, longest = shortest_wavelength, longest_wavelength
     for name, value in (("shortest", shortest), ("longest", longest)):
         if value is not None and not 0 < value < math.inf:
             raise SettingsError(
@@ -94,7 +99,7 @@ def limit_band(
         )
     limit, limit_reason = reliable_wavelength(window)
     cutoffs = [(shortest, "window.shortest_wavelength")] if shortest else []
-    cutoffs += [(limit, "window.reliable_band")] if reliable else []
+    cutoffs += [(limit, "window.reliable_band")] if reliable_band else []
     shortest, reason = max(cutoffs, default=(None, GRID))
     step = spacing(window)
     q = wavenumbers(window.shape, step)
@@ -144,12 +149,9 @@ def _outside(q: np.ndarray, shortest: float | None, longest: float | None) -> np
 
 def in_band(window: xr.DataArray, **options: Any) -> xr.DataArray:
     """Return a periodic map (m) limited to the band that is asked of `periodic_window`, unchanged if none."""
-    shortest, longest, reliable = (
-        options.get(name) for name in ("shortest_wavelength", "longest_wavelength", "reliable_band")
-    )
-    if not (shortest or longest or reliable):
-        return window
-    return limit_band(window, shortest=shortest, longest=longest, reliable=bool(reliable))
+    names = ("shortest_wavelength", "longest_wavelength", "reliable_band")
+    limits = {name: options[name] for name in names if options.get(name)}
+    return limit_band(window, **limits) if limits else window
 
 
 def numerical_aperture(instrument: Mapping) -> float | None:

@@ -123,7 +123,8 @@ def periodic_window(
         raise SettingsError(f"window.min_share = {min_share!r}: give a share from 0 to 1")
     values = check_map(levelled)
     levelled = renew_parameters(levelled)
-    waves = {"shortest": shortest_wavelength, "longest": longest_wavelength, "reliable": reliable_band}
+    waves = {"shortest_wavelength": shortest_wavelength, "longest_wavelength": longest_wavelength}
+    waves |= {"reliable_band": reliable_band}
     if already := _already_periodic(levelled, values):
         window, reason = already
         return _record(window, waves, correct_for, {"window_reason": reason})
