@@ -329,13 +329,11 @@ def _format_half_widths(value: float, sides: Mapping[str, float], decisive: floa
         return number(value) + "".join(
             f"{sign}{number(half, digits=2)}" for sign, half in sides.items() if half > 0
         )
-    texts = [_fixed(value, decimals)]
-    texts += [
+    return _fixed(value, decimals) + "".join(
         f"{sign}{_fixed(half, min(decimals, _decimal_places(half)))}"
         for sign, half in sides.items()
         if round(half, decimals) > 0
-    ]
-    return "".join(texts)
+    )
 
 
 def _decimal_places(half_width: float) -> int:

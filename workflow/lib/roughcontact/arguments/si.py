@@ -169,11 +169,9 @@ def labelled_in_si(map_or_dataset: _Labelled) -> _Labelled:
     if isinstance(map_or_dataset, xr.DataArray):
         dataset = map_or_dataset.to_dataset(name=_HEIGHTS)
         converted_dataset = _dataset_in_si(dataset, map_or_dataset.attrs)
-        return (
-            map_or_dataset
-            if converted_dataset is dataset
-            else converted_dataset[_HEIGHTS].rename(map_or_dataset.name)
-        )
+        if converted_dataset is dataset:
+            return map_or_dataset
+        return converted_dataset[_HEIGHTS].rename(map_or_dataset.name)
     return _dataset_in_si(map_or_dataset, map_or_dataset.attrs)
 
 

@@ -132,10 +132,10 @@ def project_to_load(pressure: Array, mean_pressure: float, *, cap: float) -> Arr
 
 
 def norm(u: Array, v: Array) -> float:
-    """Return the root of the mean of left x right, a quadratic form that rounding may turn negative."""
+    """Return the root of the mean of u x v, a quadratic form that rounding may turn negative."""
     return float(np.sqrt(max(mean_product(u, v), 0.0)))
 
 
 def mean_product(u: Array, v: Array) -> float:
-    """Return the mean over the grid of left x right, summed in double precision."""
+    """Return the mean over the grid of u x v, summed in double precision."""
     return kernels_for(u).product(u, v) / n_elements(u)

@@ -231,7 +231,7 @@ def redistribute(
 def project(
     field: Array, cap: float, removed_load: Array, free: Array, factors: Factors, share: Array
 ) -> None:
-    """Project `field` in place onto [0, `cap`] and write the removed part to `taken`.
+    """Project `field` in place onto [0, `cap`] and write the removed part to `removed_load`.
 
     `free` becomes 1 between the bounds and 0 elsewhere, `share` its mean over blocks of `factors` cells.
     """
@@ -316,7 +316,7 @@ def weigh(
 
     The weight is the relative linear size of the contact: the root of its `share` in one piece, the sum of
     the sizes of its parts if they are far apart, reduced by mutual shielding; the geometric mean for an
-    unknown arrangement. `empty`, which may be the array `parts`, becomes 1 - weight, and the means over
+    unknown arrangement. `empty`, which may be the array `fine_share`, becomes 1 - weight, and the means over
     blocks go to `next_parts` and `next_share`.
     """
     xp, count = namespace(share), factors[0] * factors[1]

@@ -74,7 +74,7 @@ class Face:
         from scipy.interpolate import make_interp_spline
         from scipy.ndimage import distance_transform_edt, map_coordinates
 
-        boundary = "grid-wrap" if self.periodic else "mirror"
+        mode = "grid-wrap" if self.periodic else "mirror"
         missing = np.isnan(self.values)
         values = self.values
         if missing.any():  # the spline needs a height everywhere; these points are masked again below
@@ -89,9 +89,9 @@ class Face:
                 margins = spline(np.arange(-margin, 0)), spline(np.arange(n, n + margin))
                 values = np.concatenate([margins[0], values, margins[1]], axis=axis)
         spline_indices = [p + margin for p, margin in zip(indices, rim, strict=True)]
-        spline_values = map_coordinates(values, spline_indices, order=3, mode=boundary)
+        spline_values = map_coordinates(values, spline_indices, order=3, mode=mode)
         neighbours = [
-            map_coordinates(flags.astype(float), indices, order=1, mode=boundary) > POINT_TOLERANCE
+            map_coordinates(flags.astype(float), indices, order=1, mode=mode) > POINT_TOLERANCE
             for flags in (missing, self.filled)
         ]
         return np.where(neighbours[0], np.nan, spline_values), neighbours[1]

@@ -74,12 +74,9 @@ def _fill_profile(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
 
 def _right_hand_side(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) -> np.ndarray:
     """Return the weighted sum of known neighbours of each point of `mask`, which excludes the border."""
-    boundary_values = np.where(mask | np.isnan(values), 0.0, values)
-    wy, wx = weights
-    total = np.zeros_like(boundary_values)
-    total[1:-1, :] += wy * (boundary_values[:-2, :] + boundary_values[2:, :])
-    total[:, 1:-1] += wx * (boundary_values[:, :-2] + boundary_values[:, 2:])
-    return total[mask]
+    rim, (wy, wx) = np.where(mask | np.isnan(values), 0.0, values), weights
+    around = wy * (rim[:-2, 1:-1] + rim[2:, 1:-1]) + wx * (rim[1:-1, :-2] + rim[1:-1, 2:])
+    return around[mask[1:-1, 1:-1]]
 
 
 def _solve_narrow(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) -> np.ndarray:

@@ -196,7 +196,7 @@ def _check_options(form: str, order: int, max_missing: float) -> None:
 
 
 def _check_positive(what_stays: str, **options: float | None) -> None:
-    """Raise SettingsError for an option that is neither positive nor None, by which something is `kept`."""
+    """Raise SettingsError for an option that is neither positive nor None, with which `what_stays` stays."""
     for name, value in options.items():
         if value is not None and not 0 < value < np.inf:
             raise SettingsError(

@@ -49,7 +49,7 @@ def band_points(side: int, fade: float, *, length: int | None = None) -> int:
     (9, 0, 10)
     """
     band = round(fade * side) if side > 1 else 0
-    # centred in `within`: a mirrored map would else have another window
+    # centred in the length: a mirrored map would else have another window
     return band + (length - side - band) % 2 if band and length else band
 
 
