@@ -3,7 +3,8 @@
 `describe` adds units and a sentence to every variable of a dataset, so that each file has them.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,24 +21,6 @@ Numbers = xr.Dataset | Mapping[str, Any]  # statistics, or their plain values by
 VARIABLES: dict[str, tuple[str | None, str]] = {
     name: (unit or None, meaning) for name, unit, meaning in rows_beside(__file__, "variables.tsv")
 }
-
-
-def _with_endings(
-    words: Mapping[str, str], meanings: Mapping[str, str], unit: str | None = None
-) -> dict[str, tuple[str | None, str]]:
-    """Return the variables `{name}_{ending}` by names in words and endings; the unit is that of the name."""
-    return {
-        f"{name}_{ending}": (VARIABLES[name][0] if unit is None else unit, meaning.format(in_words))
-        for name, in_words in words.items()
-        for ending, meaning in meanings.items()
-    }
-
-
-def _spelt(names: Iterable[str]) -> dict[str, str]:
-    """Return names with their words."""
-    return {name: name.replace("_", " ") for name in names}
-
-
 for _name, _allowed in ALLOWED_VALUES.items():
     _side = "from which on" if _allowed.trend < 0 else "up to which"
     _holds = f"the {_allowed.words} is at {_allowed.bound} what is allowed"
@@ -47,11 +30,7 @@ for _name, _allowed in ALLOWED_VALUES.items():
         f"{_name}_holds_from": ("Pa", f"mean pressure {_side} {_holds}"),
         f"{_name}_largest_Sq": ("m", f"largest Sq of this texture with which {_holds}"),
     }
-for _name in CREEPING:
-    _unit, _meaning = VARIABLES[_name]
-    VARIABLES[f"{_name}_after"] = _unit, f"{_meaning}; after a time under a constant load"
 
-_OF_INTERVALS = dict(rows_beside(__file__, "endings.tsv"))
 # whose interval follows from another one
 _DERIVED = [
     *("leak_rate_x", "leak_rate_y", "friction_coefficient", "mean_pressure", "contact_stiffness"),
@@ -63,35 +42,23 @@ _DERIVED = [
     *("thermal_conductance", "thermal_resistance", "electrical_conductance", "electrical_resistance"),
     *(name for name in VARIABLES if name.startswith("local_")),
 ]
-_RANGED = ("hardness", "thermal_conductivity", "electrical_resistivity", "shear_strength")
-_OF_GROUPS = {
-    "between": "standard deviation of the {} between parts, on its symmetric scale",
-    "within": "standard deviation of the {} between the maps of a part, on its symmetric scale",
-    "shared": "half-widths and shifts of the {} that the maps of a group share, on its symmetric scale",
+_RANGES = ("hardness", "thermal_conductivity", "electrical_resistivity", "shear_strength")
+# what has the endings of `endings.tsv` -> names of the variables, and their words
+_WORDS: dict[str, dict[str, str]] = {
+    "creeping": {name: VARIABLES[name][1] for name in CREEPING},
+    "derived": {name: name.replace("_", " ") for name in _DERIVED},
+    "range": {name: name.replace("_", " ") for name in _RANGES},
+    "quantity": {name: quantity.words for name, quantity in QUANTITIES.items()},
+    "number": {name: answer.words for name, answer in ANSWERS.items() if answer.quantity},
+    "decision": {name: answer.words for name, answer in ANSWERS.items() if not answer.quantity},
 }
-_OF_QUANTITIES = {name: quantity.words for name, quantity in QUANTITIES.items()}
-_OF_ANSWERS = {name: answer.words for name, answer in ANSWERS.items()}
-VARIABLES |= _with_endings(_spelt(_DERIVED), {end: _OF_INTERVALS[end] for end in ("lower", "upper")})
-VARIABLES |= _with_endings(
-    _spelt(_RANGED), {end: f"{end} end of the range of the {{}}" for end in ("lower", "upper")}
-)
-VARIABLES |= _with_endings(
-    _OF_QUANTITIES, {"sensitivity": "d ln Q/d ln input of the {}; NaN: not known"}, unit="1"
-)
-for _name, _quantity in QUANTITIES.items():  # a length is its own scale, all others have a logarithm
-    _scale = None if _quantity.scale == "length" else "1"
-    VARIABLES |= _with_endings({_name: _quantity.words}, _OF_GROUPS, _scale)
-VARIABLES |= _with_endings(_OF_QUANTITIES, _OF_INTERVALS)
-VARIABLES |= _with_endings(
-    _OF_ANSWERS, {"verdict": "worst outcome of the checks that concern the {}: as of verdict"}, unit="1"
-)
-for _name, _answer in ANSWERS.items():  # how well it is known
-    _known = (
-        f"larger half-width of the 95 % interval of the {_answer.words} over its value; none if unbounded"
-        if _answer.quantity
-        else f"0 where the interval tells {_answer.words} from none, none where it holds both"
-    )
-    VARIABLES[f"{_name}_known"] = "1", _known
+for _name, _quantity in QUANTITIES.items():  # by its scale: a length is its own, all others have none
+    _WORDS.setdefault(_quantity.scale, {})[_name] = _quantity.words
+_ENDINGS = rows_beside(__file__, "endings.tsv")
+for _kind, _words in _WORDS.items():
+    _of_kind = [row for of, *row in _ENDINGS if _kind in of.split(", ")]
+    for (_name, _in_words), (_ending, _unit, _meaning) in product(_words.items(), _of_kind):
+        VARIABLES[f"{_name}_{_ending}"] = _unit or VARIABLES[_name][0], _meaning.format(_in_words)
 
 # comments of variables that need more than a line
 _COMMENTS = {
