@@ -694,11 +694,17 @@ def test_resistance_of_the_whole_contact_lies_between_rayleigh_and_thomson(power
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"form": LOCAL}, r"form.local_scale = true: takes form.radius and contact.force"),
-        ({"form": {"local_scale": True}, "contact": {"force": 5}}, r"form.local_scale = true: takes"),
-        ({"form": LOCAL, "contact": FREE}, r"form.local_scale .* leave out .* contact.boundary = free"),
-        ({"form": LOCAL, "contact": {"force": 5, "area": 1e-4}}, r"leave out .* contact.area"),
-        ({"form": LOCAL, "contact": {"bodies": LAYERED["bodies"], "force": 5}}, r"leave out .* layers"),
+        ({"form": LOCAL}, r"form.local_scale = True: takes form.radius and contact.force"),
+        (
+            {"form": {"local_scale": True}, "contact": {"force": 5}},
+            r"form.local_scale = True: takes .* state the radius",
+        ),
+        ({"form": LOCAL, "contact": FREE}, r"contact.boundary = 'free': the local scale .* leave"),
+        ({"form": LOCAL, "contact": {"force": 5, "area": 1e-4}}, r"contact.area = 0.0001: the local scale"),
+        (
+            {"form": LOCAL, "contact": {"bodies": LAYERED["bodies"], "force": 5}},
+            r"form.local_scale = True: is of bodies without layers",
+        ),
         ({"contact": {"boundary": "free"}}, r"contact.force: missing"),
         ({"contact": FREE | {"mean_pressure": "1 MPa"}}, r"contact: mean_pressure .* and force"),
         ({"contact": {"boundary": "free", "mean_pressure": 1e6}}, r"contact.force: missing.* mean_pressure"),

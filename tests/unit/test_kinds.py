@@ -8,7 +8,7 @@ import pytest
 import roughcontact as rc
 from roughcontact.arguments import kinds
 from roughcontact.arguments.settings.fields import fields_at
-from roughcontact.arguments.settings.models import Friction, Joint, Settings
+from roughcontact.arguments.settings.models import Friction, Joint, Seal, Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.evaluation.kinds import KINDS, kind_of
 from roughcontact.evaluation.kinds.finite_body import FiniteBody
@@ -46,7 +46,7 @@ def test_functions_and_settings_refuse_with_the_same_sentence(options):
 
 def test_every_rule_is_of_a_setting_that_there_is():
     names = {f"{section}.{key}" for section in Settings.model_fields for key in fields_at([section])}
-    groups = {"friction": Friction, "joint": Joint}
+    groups = {"friction": Friction, "joint": Joint, "seal": Seal}
     names |= {f"statistics.{name}.{key}" for name, group in groups.items() for key in group.model_fields}
     names |= {*Settings.model_fields}
     for facts in kinds.KIND_FACTS:

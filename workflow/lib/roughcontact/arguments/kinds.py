@@ -15,11 +15,6 @@ from roughcontact.errors import SettingsError
 
 Sections = Mapping[str, Mapping[str, Any]]
 
-_LOCAL_SCALE = (
-    " = true: takes form.radius and contact.force of a periodic map; leave out form.edges, "
-    "contact.boundary = free, contact.area, joint.area, seal.perimeter, targets and layers"
-)
-
 
 # kind -> "layers" of bodies, "faces" of a pair, "" of all -> setting, or argument -> why it does not apply
 _EXCLUDED: dict[str, dict[str, dict[str, str]]] = defaultdict(lambda: defaultdict(dict))
@@ -193,20 +188,6 @@ class LocalScaleFacts(KindFacts):
     def mistakes_in_loads(self, keys: Collection[str]) -> Iterator[tuple[str, str]]:
         """Yield nothing: the force on the form is the load."""
         yield from ()
-
-    def mistakes(
-        self, settings: Sections, defaults: Sections, properties: Collection[str] = ()
-    ) -> Iterator[tuple[str, str]]:
-        """Yield the one sentence that says what the local scale needs and excludes."""
-        form, contact = settings["form"], settings["contact"]
-        seal, joint = (settings["statistics"][name] or {} for name in ("seal", "joint"))
-        needed = form["radius"] and contact["force"]
-        periodic = contact["boundary"] == self.boundary
-        excluded = [form["edges"], *(contact[key] for key in ("area", "target_area", "target_gap", "target"))]
-        # numbers by area and width are those under the largest pressure, which the whole does not have
-        excluded += [joint.get("area"), seal.get("perimeter")]
-        if properties or any(excluded) or not (needed and periodic):
-            yield "form.local_scale", _LOCAL_SCALE
 
 
 PERIODIC_MAP = KindFacts()
