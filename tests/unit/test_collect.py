@@ -212,6 +212,15 @@ def test_pairs_have_mean_and_spread_over_their_members():
     np.testing.assert_allclose(table["spread_mean_pressure_Pa"], [2**0.5, 8**0.5, np.nan, 0, 0])
 
 
+def test_a_pair_of_hundreds_of_columns_says_nothing_of_how_its_table_is_stored():
+    """A warning of pandas on that, of some hundred columns, stood on the screen of each run of a pair."""
+    rows = {"surface": ["p-1", "p-2"]} | {f"number_{index}": [1.0, 2.0] for index in range(300)}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        table = pairs_table(pd.DataFrame(rows), {"p-1": "p", "p-2": "p"})
+    assert (table.filter(regex="^number_") == 1.5).all(axis=None)
+
+
 @pytest.mark.parametrize("cases", [[None], ["steel", "peek"]])
 def test_every_load_has_its_verdict_and_its_reasons(tmp_path, cases):
     verdicts = {

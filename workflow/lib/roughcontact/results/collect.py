@@ -374,7 +374,7 @@ def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame
     load = of_pairs.groupby(names, sort=False).cumcount().rename("load")
     of_pairs = of_pairs.assign(surface=of_pairs["surface"].map(pairs))
     groups = of_pairs.groupby([*names, load], sort=False)[numbers]
-    frame = groups.agg(["mean", "std"])
+    frame = groups.agg(["mean", "std"]).copy()  # in one piece: of many, pandas warns
     frame.columns = pd.Index([column for name in numbers for column in (name, f"spread_{name}")])
     frame.insert(0, "members", groups.size())
     return frame.droplevel("load").reset_index()
