@@ -6,7 +6,7 @@ import xarray as xr
 from read_charts import read_chart
 
 from roughcontact import evaluate, self_affine_surface
-from roughcontact.report.budget_plots import largest_parts, shown_budget
+from roughcontact.report.budget_plots import beyond_in_words, largest_parts, present_sources, shown_budget
 
 SOURCES = ["solver", "discretisation", "window", "material", "combined"]
 LOADS = np.array([1e6, 4e6])
@@ -56,9 +56,9 @@ def test_parts_are_drawn_in_percent_of_the_value_at_their_load(numbers):
 def test_other_maps_have_a_column_where_the_window_is_a_source(sources):
     surface = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=2e-5, rms_height=1e-7)
     contact = {"contact_modulus": 1e9, "mean_pressure": 5e6, "contact_modulus_uncertainty": 0.1}
-    budget = shown_budget(evaluate(surface, contact=contact, uncertainty={"sources": sources}), [0])
-    about = ["of the next map"] if "window" in sources else []
-    assert [line.split(":")[0].lower() for line in budget["beyond"]] == about
+    result = evaluate(surface, contact=contact, uncertainty={"sources": sources})
+    budget, about = shown_budget(result, [0]), ["of the next map"] if "window" in sources else []
+    assert [words.lower() for words in beyond_in_words(result)] == about
     assert budget["intervals"]["header"][2:] == ["the ±", *about, "this map"]
 
 
@@ -66,3 +66,16 @@ def test_what_is_not_in_the_interval_is_named(numbers):
     budget = shown_budget(numbers)
     assert budget["notes"][:1] == ["Not in the ±: instrument, modulus and load, hardness, unresolved waves."]
     assert largest_parts(numbers) == "window"
+
+
+def test_a_source_without_words_stands_by_its_name(numbers):
+    """A file of another version may have one; its place among the others says nothing."""
+    first, *others = SOURCES
+    renamed = numbers.assign_coords(source=[first, "humidity", *others[1:]])
+    assert present_sources(renamed.isel(source=[4, 0, 1, 2, 3])) == ["solver", "humidity", "window"]
+    titles = dict(shown_budget(renamed)["images"])
+    assert {"solver", "humidity", "window"} <= set(read_chart(titles["contact area"], log="xy").texts)
+    assert (
+        largest_parts(numbers.assign_coords(source=["solver", "grid", "humidity", *SOURCES[3:]]))
+        == "humidity"
+    )

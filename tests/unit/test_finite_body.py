@@ -23,7 +23,7 @@ from roughcontact.evaluation import pipeline
 from roughcontact.evaluation.kinds import local_scale
 from roughcontact.evaluation.pipeline import run_chain
 from roughcontact.interface.program import main
-from roughcontact.report.budget_plots import shown_budget
+from roughcontact.report.budget_plots import beyond_in_words, shown_budget
 from roughcontact.report.facts import surface_facts
 from roughcontact.report.glance import LOAD, Cell, asked_columns, glance_rows, headings_of
 from roughcontact.report.load_plots import area_against_load
@@ -801,5 +801,5 @@ def test_the_page_of_a_body_shows_force_and_radius_and_no_empty_interval():
     drawn = read_chart(area_against_load(answer, ground(1e-8, (64, 64))), log="xy")
     assert set(drawn.legend) == {"solved, corrected", "solved, pixels counted"}
     budget = shown_budget(answer, [0, 1])
-    assert not any("– " in line for line in budget["beyond"])
+    assert not any("– " in line for line in beyond_in_words(answer).values())
     assert not any("– " in cell for row in budget["intervals"]["rows"] for cell in row)

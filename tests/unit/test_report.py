@@ -1116,7 +1116,10 @@ def test_cases_are_compared_by_their_ratio_without_what_both_share():
     row = found["two against one"]
     assert (row["at"], row["contact area"]) == (["1.00 MPa / 2.00 MPa", "2.00 MPa / 4.00 MPa"], ["2.00"] * 2)
     # independent where nothing is known of what both share: 2 e^(± hypot(0.03, 0.04)) = 1.902 to 2.103
-    assert row["mean gap"] == ["2.00 1.90 to 2.10", "–"]  # a closed gap is no multiple of another
+    assert row["mean gap"] == [
+        "2.00 1.90 to 2.10",
+        "– closed (< 1 nm)",
+    ]  # a closed gap is no multiple of another
     assert case_rows({"one": case_a}) == []
     # on bodies of finite size the force is what both share
     radius = ("load", [1e-5, 2e-5])
@@ -1232,7 +1235,7 @@ def test_loads_have_a_row_of_their_own_on_a_phone(many, tmp_path):
       const ends = part => inside.querySelector(part).getBoundingClientRect().right;
       const said = [width(".cases td") / width(".cases tbody tr"), width(".loads input") / width(".loads")];
       said.push(ends(".loads input") / ends(".loads"));
-      said.push(width(".cases td.text") / width(".cases tbody tr"));
+      said.push(width(".cases td:last-child") / width(".cases tbody tr"));
       document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
     });</script>"""
     frame = f'<iframe style="width:400px;height:900px;border:0" srcdoc="{html.escape(text)}"></iframe>'

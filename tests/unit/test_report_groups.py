@@ -97,7 +97,7 @@ def test_placements_and_differences_in_words():
     assert (row["quantity"], rows["loads"][0], row["outcomes"]) == (
         "largest pressure",
         "1.00 MPa",
-        ["differ"],
+        ["differ", "differ"],
     )
     low, high = (float(bound) for bound in row["cells"][0].details.split(" to "))
     assert low < float(row["cells"][0].text) < high
@@ -137,8 +137,8 @@ def test_a_gap_finer_than_atoms_is_no_multiple_of_another():
     groups = [named("lapped", (0.9e-10, 1.0e-10, 1.1e-10)), named("ground", (1.9e-6, 2.0e-6, 2.1e-6))]
     (rows,) = comparison_rows(compare_all({group.label: group.answer for group in groups})[0], groups)
     of_gap = next(row for row in rows["rows"] if row["quantity"] == "mean gap")
-    assert of_gap["outcomes"] == ["closed (< 1 nm)"]
-    assert of_gap["cells"] == [Cell("–")] * len(of_gap["cells"])
+    assert of_gap["outcomes"] == [""] * len(of_gap["cells"])
+    assert of_gap["cells"] == [Cell("–", "closed (< 1 nm)")] * len(of_gap["cells"])
 
 
 def test_pressures_at_the_hardness_have_no_interval_and_no_difference():
@@ -154,8 +154,8 @@ def test_pressures_at_the_hardness_have_no_interval_and_no_difference():
         True,
     ]
     (rows,) = comparison_rows(compare_all({group.label: group.answer for group in limited})[0], limited)
-    assert rows["rows"][-1]["outcomes"][1] == "both the hardness"
-    assert rows["rows"][-1]["cells"][1] == Cell("–")
+    assert rows["rows"][-1]["outcomes"][1] == ""
+    assert rows["rows"][-1]["cells"][1] == Cell("–", "both the hardness")
     upper = limited[0].answer["max_pressure_next_upper"]
     assert upper.values == pytest.approx([5.4e7, 5.4e7])  # of the first load the hardness ends the interval
     upper_bounds = named("lapped", (0.9, 1.0, 1.1)).answer["max_pressure_next_upper"]
@@ -178,6 +178,15 @@ def test_outcomes_that_are_others_at_some_loads_stand_with_their_loads(outcomes,
     pair = {"first": "A", "second": "B", "loads": ["1", "2", "3"][: len(outcomes)], "rows": [row]}
     table = str(template("ratios.html").module.ratios([pair], "Differences"))
     assert re.findall(r'<td class="text">([^<]*)</td>', table) == [words]
+
+
+@pytest.mark.parametrize(("outcomes", "columns"), [([], 1), ([""], 1), (["differ"], 2)])
+def test_comparisons_without_an_outcome_have_no_column_for_it(outcomes, columns):
+    row = {"quantity": "mean gap", "cells": [Cell("–", "closed (< 1 nm)")], "outcomes": outcomes}
+    pair = {"first": "A", "second": "B", "loads": ["1 MPa"], "rows": [row]}
+    table = str(template("ratios.html").module.ratios([pair], "Differences"))
+    assert ("outcome</th>" in table) == (columns > 1)
+    assert table.count("<td") == columns
 
 
 def test_pictures_show_every_map():

@@ -12,6 +12,7 @@ from roughcontact.arguments.variables import has_number
 from roughcontact.report.charts import Axis, Chart, curves_chart, log_axis
 from roughcontact.report.glance import asked_columns
 from roughcontact.report.units import is_unbounded, largest_source, stated_loads, unit_of
+from roughcontact.uncertainty.combination import COMBINED
 
 _SOURCE_LABELS = {
     "solver": "solver",
@@ -21,12 +22,11 @@ _SOURCE_LABELS = {
     "material": "modulus and load",
     "hardness": "hardness",
     "unresolved": "unresolved waves",
-    "combined": "all together",
 }
-_BEYOND = {  # measurands beyond band and map
-    "octave": "with waves one octave shorter",
-    "joint": "of a joint as large as the overview",
-    "next": "of the next map",
+_BEYOND = {  # measurands beyond band and map, by the ending of their names
+    "_octave": "with waves one octave shorter",
+    "_joint": "of a joint as large as the overview",
+    "_next": "of the next map",
 }
 _MIN_SHARE = 0.01  # percent; less is not drawn
 
@@ -35,45 +35,41 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
     """Return figures, intervals and notes of the error budget of a surface; None where it has none.
 
     `loads` are the indices of those whose intervals are listed. `images` has the figure (data URI) of each
-    quantity, `intervals` their table; `beyond` is on the area beyond band and map, `notes` on missing parts.
+    quantity, `intervals` their table, `notes` are on missing parts.
     """
     if "source" not in numbers.dims:
         return None
     attempts = ["window"] if "window_reason" in numbers.attrs else []  # not known leaves the interval open
-    absent = [
-        _SOURCE_LABELS[s]
-        for s in _SOURCE_LABELS
-        if s not in (*present_sources(numbers), *attempts, "combined")
-    ]
+    present = {*present_sources(numbers), *attempts}
+    absent = ", ".join(label for source, label in _SOURCE_LABELS.items() if source not in present)
     notes = [numbers.attrs.get(key) for key in ("window_flag", "window_reason")]
-    notes += [f"Not in the ±: {', '.join(absent)}." if absent else "", _note_on_open_ends(numbers)]
-    excess, intervals = wider_intervals(numbers.isel(load=list(loads)))
+    notes += [f"Not in the ±: {absent}." if absent else "", _note_on_open_ends(numbers)]
     return {
         "images": [(TITLES[name], budget_against_load(numbers, name).source()) for name in COMPARED],
-        "beyond": [f"{name}: {text}" for name, text in excess.items()],
-        "intervals": intervals,
+        "intervals": interval_table(numbers.isel(load=list(loads))),
         "notes": [*filter(None, notes)],
     }
 
 
 def largest_parts(numbers: xr.Dataset) -> str:
     """Return the sources with the largest part of the ± of the contact area, by loads where they differ."""
-    if "source" not in numbers.dims:
-        return ""
     loads: dict[str, list[str]] = {}
     for index, load in enumerate(stated_loads(numbers).texts):
         if source := largest_source(numbers, AREA, index):
-            loads.setdefault(_SOURCE_LABELS[source], []).append(load)
+            loads.setdefault(_label(source), []).append(load)
     by_load = [f"{source} ({', '.join(at)})" for source, at in loads.items()]
     return "; ".join(loads if len(loads) == 1 else by_load)
 
 
 def present_sources(numbers: xr.Dataset) -> list[str]:
-    """Return the sources of the ± of a surface, in the order of the report, without those not judged."""
-    half_widths = numbers[f"{AREA}_uncertainty"].transpose("source", "load").values
-    available = np.isfinite(half_widths).any(axis=1)[:-1]  # the last one is combined
-    sources = numbers["source"].values[:-1][available]
-    return [source for source in _SOURCE_LABELS if source in sources]
+    """Return the sources of the ± of a surface, without those not judged."""
+    of_sources = numbers[f"{AREA}_uncertainty"].drop_sel(source=COMBINED)
+    return of_sources["source"].values[of_sources.notnull().any("load")].tolist()
+
+
+def _label(source: str) -> str:
+    """Return a source as it is written."""
+    return _SOURCE_LABELS.get(source, source)
 
 
 def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
@@ -92,9 +88,9 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
     chart = Chart(log_axis(label, loads), y, title=TITLES[name])
     *of_sources, upwards, downwards = shares
     for index, (source, share) in enumerate(zip(present, of_sources, strict=True)):
-        chart.series(index, loads, share, label=_SOURCE_LABELS[source])
+        chart.series(index, loads, share, label=_label(source))
     style = {"width": 2.2, "colour": "#000000"}
-    chart.line(loads, upwards, label=f"{_SOURCE_LABELS['combined']}, up", **style)
+    chart.line(loads, upwards, label="all together, up", **style)
     chart.line(loads, downwards, label="down", dash="5 3", **style)
     return chart
 
@@ -110,32 +106,47 @@ def _note_on_open_ends(numbers: xr.Dataset) -> str:
     )
 
 
-def wider_intervals(numbers: xr.Dataset) -> tuple[dict[str, str], dict[str, Any] | None]:
-    """Return the contact area beyond band and map, by what that is, and the table of all intervals.
+def beyond_in_words(numbers: xr.Dataset) -> dict[str, str]:
+    """Return the contact area beyond band and map at each load, by what that is.
 
     Of a body of finite size, whose area is no share of a map, it is the largest pressure.
     """
+    name = next((name for name in asked_columns([numbers]) if name in COMPARED), AREA)
+    lines = {}
+    for key, words in _measurands_beyond(numbers).items():
+        texts = map(" at ".join, zip(_ends(numbers, name, key), stated_loads(numbers).texts, strict=True))
+        lines[words.capitalize()] = f"{TITLES[name]} {', '.join(texts)}"
+    return lines
+
+
+def interval_table(numbers: xr.Dataset) -> dict[str, Any] | None:
+    """Return the table of all intervals; None where there are none beyond this map."""
     if not numbers.sizes["load"] or f"{AREA}_next_lower" not in numbers:
-        return {}, None
-    measurands = [key for key in _BEYOND for end in ENDS[1:] if has_number(numbers, f"{AREA}_{key}{end}")]
-    beyond = {key: _BEYOND[key] for key in measurands}
-    columns, loads = {"": "the ±", **beyond, "map": "this map"}, stated_loads(numbers).texts
-    rows: list[list[str]] = []
-    unknown = np.full(len(loads), np.nan)  # of the joint only some quantities are known
+        return None
+    measurands = {"": "the ±", **_measurands_beyond(numbers), "_map": "this map"}
+    rows: list[Sequence[str]] = []
     for name in COMPARED:
-        unit, solved = unit_of(numbers, UNITS[name]), numbers.get(f"{name}_as_solved", numbers[name]).values
-        keys = [f"{name}_{key}" if key else name for key in columns]
-        ends = [[np.asarray(numbers.get(f"{key}{end}", unknown)) for end in ENDS[1:]] for key in keys]
-        for index, load in enumerate(loads):
-            texts = [unit.ends(lower[index], upper[index]) for lower, upper in ends]
-            rows.append([f"{TITLES[name]} at {load}", unit.text(float(solved[index])), *texts])
-    header, lines = ["result", "as solved", *columns.values()], {}
-    main_result = next((name for name in asked_columns([numbers]) if name in COMPARED), AREA)
-    of_shown = rows[COMPARED.index(main_result) * len(loads) :]
-    for column in range(3, 3 + len(beyond)):
-        texts = [f"{row[column]} at {load}" for row, load in zip(of_shown, loads, strict=False)]
-        lines[header[column].capitalize()] = f"{TITLES[main_result]} {', '.join(texts)}"
-    return lines, {"header": header, "rows": rows}
+        results = [f"{TITLES[name]} at {load}" for load in stated_loads(numbers).texts]
+        as_solved = numbers.get(f"{name}_as_solved", numbers[name]).values.tolist()
+        texts = map(unit_of(numbers, UNITS[name]).text, as_solved)
+        rows += zip(results, texts, *(_ends(numbers, name, key) for key in measurands), strict=True)
+    return {"header": ["result", "as solved", *measurands.values()], "rows": rows}
+
+
+def _measurands_beyond(numbers: xr.Dataset) -> dict[str, str]:
+    """Return what there are intervals of the area for beyond band and map, by the ending of their names."""
+    return {
+        key: words
+        for key, words in _BEYOND.items()
+        if any(has_number(numbers, f"{AREA}{key}{end}") for end in ENDS[1:])
+    }
+
+
+def _ends(numbers: xr.Dataset, name: str, key: str) -> list[str]:
+    """Return the intervals of a result for a measurand at each load; of the joint only some are known."""
+    unknown = np.full(numbers.sizes["load"], np.nan)
+    bounds = (np.asarray(numbers.get(f"{name}{key}{end}", unknown)) for end in ENDS[1:])
+    return [*map(unit_of(numbers, UNITS[name]).ends, *bounds)]
 
 
 def cutoff_chart(numbers: xr.Dataset, name: str) -> Chart | None:

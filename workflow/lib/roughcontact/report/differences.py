@@ -43,7 +43,8 @@ def comparison_rows(
 ) -> list[Row]:
     """Return for each two groups `first`, `second`, the `loads` in words, and `rows` of quantities.
 
-    A row has `cells` of the ratio at each load with its interval, and `outcomes`; `of_maps` tells two maps.
+    A row has `cells` of the ratio at each load with its interval, or why there is none, and `outcomes`;
+    `of_maps` tells two maps.
     """
     of_groups = {group.label: group.answer for group in groups}
     answers = {**(maps or {}), **of_groups}
@@ -111,15 +112,16 @@ def differences_in_words(differences: Sequence[Row]) -> str:
         of_area = next((part for part in row["rows"] if part["quantity"] == TITLES[AREA]), None)
         if of_area is None:
             continue
-        count = len(row["loads"])
-        outcomes = of_area["outcomes"] if len(of_area["outcomes"]) == count else of_area["outcomes"] * count
+        outcomes = of_area["outcomes"]
         if len(differences) > 1:
             outcomes = [outcome.partition(":")[0] for outcome in outcomes]
         words = [
             f"{outcome} ({cell.text} times as large, {cell.details})" if cell.details else outcome
             for outcome, cell in zip(outcomes, of_area["cells"], strict=True)
         ]
-        at_loads = [f"{words[index]} at {row['loads'][index]}" for index in dict.fromkeys([0, count - 1])]
+        at_loads = [
+            f"{words[index]} at {row['loads'][index]}" for index in dict.fromkeys([0, len(words) - 1])
+        ]
         text = "; ".join(at_loads if len({*words}) > 1 else words[:1])
         sentences.append(f"{row['second']} against {row['first']}: {text}")
     return f"Contact area, {'; '.join(sentences)}." if sentences else ""
@@ -145,17 +147,18 @@ def _without_ratio(name: str, results: Sequence[Load]) -> str:
 
 
 def _comparison(part: xr.Dataset, name: str, without_ratio: Sequence[str]) -> Row:
-    """Return the row of a quantity: its ratio at each load with the interval, and the outcomes.
+    """Return the row of a quantity: at each load its ratio with the interval, and the outcome.
 
     `without_ratio` says for each load why nothing is compared there, empty where it is. Cases, which differ
-    by what they state, have no outcome else.
+    by what they state, have no outcomes.
     """
-    cells, outcomes = [], list(part["outcome"].values if "outcome" in part else [""] * len(without_ratio))
+    cells = []
     for index, reason in enumerate(without_ratio):
         ratio, low, high = (float(part[key][index]) for key in ("ratio", "ratio_lower", "ratio_upper"))
         text, *interval = with_interval(ratio, low, high, finest=_FINEST).split()
         interval_text = with_interval(np.nan, low, high, finest=_FINEST) if interval else ""
-        cells.append(Cell("–") if reason else Cell(text, interval_text))
-        outcomes[index] = reason or str(outcomes[index])
-    equal = len(set(outcomes)) == 1
-    return {"quantity": TITLES[name], "cells": cells, "outcomes": outcomes[:1] if equal else outcomes}
+        cells.append(Cell("–", reason) if reason else Cell(text, interval_text))
+    outcomes = (
+        np.where(np.equal(without_ratio, ""), part["outcome"], "").tolist() if "outcome" in part else []
+    )
+    return {"quantity": TITLES[name], "cells": cells, "outcomes": outcomes}

@@ -14,7 +14,7 @@ from roughcontact.arguments.variables import names_asked
 from roughcontact.interface.command_line.describe import labelled_line, points_in_words
 from roughcontact.report import facts, glance
 from roughcontact.report.asked import bodies_in_words
-from roughcontact.report.budget_plots import largest_parts, wider_intervals
+from roughcontact.report.budget_plots import beyond_in_words, largest_parts
 from roughcontact.report.groups import group_cells, group_headings
 from roughcontact.report.methods import interval_measurand
 from roughcontact.report.tables import creep_table, number_tables
@@ -48,7 +48,7 @@ def solution(result: Mapping[str, Any], statistics: xr.Dataset) -> str:
         ("waves", f"longer than {quantity(shortest, 'm')}" if shortest else ""),
         ("corrected", f"for {corrected}" if corrected else ""),
         ("±", f"for {measurand}" if measurand else ""),
-        *wider_intervals(numbers)[0].items(),
+        *beyond_in_words(numbers).items(),
         ("verdict", _verdict(result)),
         ("with overview", result["overview"]),
         ("largest part", largest_parts(numbers)),
