@@ -45,7 +45,8 @@ def shown(maps, **options):
             numbers_of_load |= {
                 column[0]: cell for column, cell in zip(table["header"], row["cells"], strict=True)
             }
-    return units, cells, dict(surface_facts(*maps, numbers))
+    facts = surface_facts(*maps, numbers)
+    return units, cells, {name: text for name, text in facts.items() if text}
 
 
 def test_answers_that_need_materials_and_a_seal(maps):
@@ -159,7 +160,9 @@ def test_whether_a_body_yields_is_answered_where_it_can_be():
     )
 
     def answer(numbers):
-        return glance._yields(numbers, {}, 0)
+        of_bodies = numbers[[name for name in ("contact_modulus", "hardness") if name in numbers]]
+        of_load = numbers.drop_vars([*of_bodies]).expand_dims("load")
+        return glance._yields(of_load.merge(of_bodies), {}, 0)
 
     assert answer(load.assign(hardness=3e9)) == glance.Cell("yes", "25.0 % of the load flows")
     below_surface = load.assign(load_share_above_hardness=0.0, hardness=3e9)

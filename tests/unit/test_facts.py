@@ -40,11 +40,8 @@ def facts(measured=None, levelled=None, window=None, **settings):
     """Return the facts of a map of 40 x 30 points with these attributes, of a pitch of 2 and 1 µm."""
     maps = [height_map(np.eye(30, 40) * 1e-6, (2e-6, 1e-6)) for _ in range(3)]
     attrs = (measured or {}, levelled or {}, window or {})
-    return dict(
-        surface_facts(
-            *(face.assign_attrs(a) for face, a in zip(maps, attrs, strict=True)), numbers(**settings)
-        )
-    )
+    faces = (face.assign_attrs(a) for face, a in zip(maps, attrs, strict=True))
+    return {name: text for name, text in surface_facts(*faces, numbers(**settings)).items() if text}
 
 
 def test_all_that_is_known_of_a_surface():

@@ -364,7 +364,7 @@ def test_a_smooth_ball_has_no_roughness_from_rounding_and_yields_under_a_force(t
     answer = rc.evaluate(flat, **settings, uncertainty={"sources": []})
     assert answer[["rms_gradient", "rms_height"]].to_array().values.tolist() == [0.0, 0.0]
     assert answer["greenwood_tripp_max_pressure"].isnull().all()
-    facts = dict(surface_facts(flat, rc.level(flat), flat, answer))
+    facts = surface_facts(flat, rc.level(flat), flat, answer)
     assert "Greenwood" not in facts["Body of finite size"]
     force = f"{answer['first_yield_pressure'].item() * (64e-6) ** 2:.2f} N"
     assert facts["First yield at the surface"] == f"at {force}"
@@ -410,7 +410,7 @@ def test_flat_punch_with_the_edges_of_the_map(tmp_path, capsys):
     main(["solve", str(file), *options, "--level-form", "mean", "--uncertainty-sources"])
     assert "30 × 20 points, 150 µm × 100 µm, 100 % of the map" in capsys.readouterr().out
     levelled = rc.level(flat, form="mean")
-    facts = dict(surface_facts(flat, levelled, finite_body(levelled, edges=True), answer))
+    facts = surface_facts(flat, levelled, finite_body(levelled, edges=True), answer)
     assert facts["Window"].startswith("640 µm × 640 µm, 128 × 128 points")
     stiffness = -5.0 / (115e9 * side * answer["approach"].item())
     assert stiffness == pytest.approx(np.pi * 0.3667896, rel=4e-3)

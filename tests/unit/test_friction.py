@@ -132,7 +132,7 @@ def test_sliding_of_a_shear_strength_heats_by_the_corrected_area(options):
     for name in ("mean_flash_temperature", "max_flash_temperature"):
         np.testing.assert_allclose(statistics[name].values, coefficient * unit[name].values, rtol=1e-6)
     friction = "of the stated coefficient" if options else "by the shear strength"
-    assert dict(number_facts(statistics))["Flash temperature"] == f"from the heat of the friction {friction}"
+    assert number_facts(statistics)["Flash temperature"] == f"from the heat of the friction {friction}"
 
 
 def test_stick_and_slip_of_bodies_that_flow_are_refused_before_the_solve():

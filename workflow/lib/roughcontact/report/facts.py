@@ -12,7 +12,7 @@ import xarray as xr
 from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.arguments.profiles import are_lines, ensemble_in_words
-from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
+from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.arguments.variables import values_at_load
 from roughcontact.io.metadata import labelled
 from roughcontact.io.sources import in_words
@@ -33,13 +33,13 @@ _PARAMETERS = (("a", "q", "z"), ("sk", "ku", "dq"), ("k", "pk", "vk"), ("sm",))
 
 def surface_facts(
     measured_map: xr.DataArray, levelled_map: xr.DataArray, window: xr.DataArray, numbers: xr.Dataset
-) -> list[tuple[str, str]]:
-    """Return the facts of a surface as (name, text), in the order of the page; unknown ones are left out."""
+) -> dict[str, str]:
+    """Return the facts of a surface by their names, in the order of the page; unknown ones are empty."""
     of_map, of_window = measured_map.attrs, window.attrs
     pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured_map)[::-1]))
     instrument = (f"{label} {text}" for label, text in labelled(json_attribute(of_map, "instrument")))
     sources, length = json_attribute(of_map, "ingest_sources"), unit_of(numbers, "m").text
-    facts = {
+    return {
         "File": " · ".join(filter(None, (of_map.get(key, "") for key in ("source_file", "source_format")))),
         "First row": sentence("first_row", of_map),
         "Sources": in_words(sources),
@@ -59,10 +59,9 @@ def surface_facts(
         "Made periodic by": str(of_window.get("periodisation", "none")),
         "Sal, Str, lay": _texture(numbers),
         "Points per shortest wave": number(float(numbers["points_per_shortest_wavelength"][0]), digits=2),
-        **dict(number_facts(numbers)),
+        **number_facts(numbers),
         "Body of finite size": size_of_contact(numbers, -1),
     }
-    return [(name, text) for name, text in facts.items() if text]
 
 
 def _assumed(numbers: xr.Dataset) -> str:
@@ -74,10 +73,13 @@ def _assumed(numbers: xr.Dataset) -> str:
     return f"{missing}, until the settings state them" if missing else ""
 
 
-def number_facts(numbers: xr.Dataset) -> list[tuple[str, str]]:
+def number_facts(numbers: xr.Dataset) -> dict[str, str]:
     """Return the facts that follow from the statistics of a surface, loads rising, as of `surface_facts`."""
-    closing = _closing(numbers)
-    facts = {
+    closing, heat = _closing(numbers), "max_flash_temperature" in numbers
+    friction = (
+        "by the shear strength" if "flash_temperature_by" in numbers.attrs else "of the stated coefficient"
+    )
+    return {
         "rms height": unit_of(numbers, "m").text(float(numbers["rms_height"])),
         "rms gradient g": number(float(numbers["rms_gradient"])),
         "Contact modulus E*": quantity(float(numbers["contact_modulus"]), "Pa"),
@@ -88,18 +90,8 @@ def number_facts(numbers: xr.Dataset) -> list[tuple[str, str]]:
         "Flow through the gap": _FLOW_NOT_SOLVED if closing and "flow_factor_xx" not in numbers else "",
         "Adhesion": adhesion_in_words(numbers),
         "Stick and slip": numbers.attrs.get("slip_approximation", ""),
-        "Flash temperature": _friction_that_heats(numbers),
+        "Flash temperature": f"from the heat of the friction {friction}" if heat else "",
     }
-    return [(name, text) for name, text in facts.items() if text]
-
-
-def _friction_that_heats(numbers: xr.Dataset) -> str:
-    """Return whose heat the flash temperatures are, empty where there are none."""
-    if "max_flash_temperature" not in numbers:
-        return ""
-    by_strength = "flash_temperature_by" in numbers.attrs
-    friction = "by the shear strength" if by_strength else "of the stated coefficient"
-    return f"from the heat of the friction {friction}"
 
 
 def size_of_contact(numbers: xr.Dataset, load: int) -> str:
@@ -142,11 +134,7 @@ def measured_caption(measured_map: xr.DataArray) -> str:
     >>> measured_caption(height_map(np.array([[0.0, np.nan], [0.0, 1e-6]]), 1e-6))
     '1 point not measured (pink).'
     """
-    missing = measured_map.attrs.get("missing_points", 0)
-    if not missing:
-        return "Every point was measured."
-    colour = "" if are_lines(measured_map) else " (pink)"
-    return f"{counted_noun(missing, 'point')} not measured{colour}."
+    return sentence("measured", measured_map.attrs.get("missing_points", 0), are_lines(measured_map))
 
 
 def levelled_caption(levelled_map: xr.DataArray) -> str:
@@ -174,12 +162,7 @@ def spectrum_caption(window: xr.DataArray, numbers: xr.Dataset) -> str:
     >>> spectrum_caption(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(band), xr.Dataset())
     'Mean over all directions. Waves from 2.00 µm to 100 µm are solved.'
     """
-    shortest, longest = (quantity(window.attrs[f"band_{bound}"], "m") for bound in ("shortest", "longest"))
-    band = f"Waves from {shortest} to {longest} are solved"
-    if removed_height := window.attrs["band_removed_rms_height"]:
-        gradient = number(window.attrs["band_removed_rms_gradient"])
-        band += f"; removed: rms height {unit_of(numbers, 'm').text(removed_height)}, rms gradient {gradient}"
-    return f"{band}." if are_lines(window) else f"Mean over all directions. {band}."
+    return sentence("spectrum", window.attrs, are_lines(window), unit_of(numbers, "m").text)
 
 
 def waves_in_words(window: xr.DataArray) -> str:

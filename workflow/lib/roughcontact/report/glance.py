@@ -22,9 +22,10 @@ from roughcontact.arguments.answers import (
     UNITS,
     USUAL,
 )
-from roughcontact.arguments.quantities import Unit, number, percent, quantity
+from roughcontact.arguments.quantities import Unit, percent, quantity
 from roughcontact.arguments.variables import Numbers, has_number, names_asked
 from roughcontact.report.allowed import allowed_in_words, fluid_in_words, stated_allowed
+from roughcontact.report.template import sentence
 from roughcontact.report.units import (
     common_pressure,
     hardness_reached,
@@ -54,7 +55,6 @@ _NO_INTERVAL = "no ±"
 _EXACT = "taken as exact"  # ends a remark that holds at all loads of a surface
 _OF_JOINT = "of the joint"  # ends its resistance, which stands in the line of the answer
 _DECIDED, _NOT_DECIDED = "decided", "not decided"  # of a yes or no
-_FLOWING = ("load_share_above_hardness", "area_share_above_hardness")
 # a number in proportion to a property of the bodies -> the one whose sources its ± has, and that property
 _FACTORS = {
     "friction_coefficient": (AREA, "shear_strength"),
@@ -223,14 +223,9 @@ def slip_in_words(numbers: xr.Dataset, index: int) -> str:
     """
     if not {"stick_share", "tangential_load"} <= {*numbers.variables}:
         return ""
-    loads, shares = (numbers[name].values for name in ("tangential_load", "stick_share"))
-    words = [
-        "full slip" if ratio == 1 else f"{percent(share)} of the contact sticks at Q = {number(ratio)} μP"
-        for ratio, share in zip(loads, shares[index], strict=True)
-        if np.isfinite(share)
-    ]
-    further = [word.replace(" of the contact sticks", "") for word in words[1:]]
-    return f"With the stated μ {', '.join(words[:1] + further)}." if words else ""
+    loads, shares = numbers["tangential_load"].values, numbers["stick_share"].values[index]
+    known = [(ratio, share) for ratio, share in zip(loads, shares, strict=True) if np.isfinite(share)]
+    return sentence("sticks", known)
 
 
 def exact_remarks(cells: Sequence[Cell]) -> str:
@@ -420,12 +415,12 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     if not leaking and open_axes and not undecided:
         tight = units["leak_rate_x"].text(decisions.TIGHT)
         details.append(f"leaks less than {tight}, which counts as nothing")
-    for sentence, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
+    for words, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
         if axes_shown and has_number(numbers, f"{name}_x"):
             result = {axis: _unbroken(numbers, f"{name}_{axis}", units, index) for axis in axes_shown}
             if len(axes_shown) == 2 and len(set(result.values())) == 1:  # one place decides both ways
                 result = {"x and y": result["x"]}
-            details.append(f"{sentence} {', '.join(f'{text} ({axis})' for axis, text in result.items())}")
+            details.append(f"{words} {', '.join(f'{text} ({axis})' for axis, text in result.items())}")
     answer = {"": "seals", "x": "seals along y, leaks along x", "y": "seals along x, leaks along y"}
     return Cell(answer.get("".join(leaking), "leaks"), "; ".join(details), precision=precision)
 
@@ -441,27 +436,25 @@ def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int
 
 def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return whether a body yields at a load, at its surface or below."""
-    load = {
-        name: np.asarray(numbers[name])[index] if np.ndim(numbers[name]) else numbers[name]
-        for name in ("volume_above_yield", "hardness", "contact_modulus", PRESSURE, PEAK, *_FLOWING)
-        if name in numbers
-    }
-    below = float(load.get("volume_above_yield", np.nan)) > 0  # infinite where all of the body yields
-    if has_number(load, "hardness"):
-        share = float(load["load_share_above_hardness"])
-        if share == 0 and below:
+    below = np.nan
+    if "volume_above_yield" in numbers:
+        below = float(numbers["volume_above_yield"][index])  # infinite where all of the body yields
+    if has_number(numbers, "hardness"):
+        share = float(numbers["load_share_above_hardness"][index])
+        if share == 0 and below > 0:
             return Cell("yes", "below the surface")
         decision = decisions.is_yielding(numbers)[index]
         has_interval = has_number(numbers, f"{PEAK}_lower") or has_number(numbers, f"{PEAK}_upper")
         precision = "" if not has_interval else _NOT_DECIDED if np.isnan(decision) else _DECIDED
-        where_reached = "just" if PEAK in load and hardness_reached(load) else "nowhere"
+        where_reached = "just" if PEAK in numbers and hardness_reached(numbers)[index] else "nowhere"
         details = f"{percent(share)} of the load flows" if share > 0 else f"hardness {where_reached} reached"
         return Cell("yes" if share > 0 or decision == 1 else "no", details, precision=precision)
-    if below or has_number(load, "volume_above_yield"):
+    if not np.isnan(below):
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
-    if rubber_like(load):
+    if rubber_like(numbers):
         return Cell(NOT_JUDGED, "rubber-like")
-    flags = yield_flags({name: value for name, value in load.items() if name != "hardness"})
+    pressures = {name: numbers[name][index] for name in (PRESSURE, PEAK)}
+    flags = yield_flags(pressures | {"contact_modulus": numbers["contact_modulus"]})
     would = {"metals flow": "; metals would", "beyond hardness": "; any material would"}
     return Cell(NOT_JUDGED, "no hardness stated" + would.get(" ".join(flags), ""))
 

@@ -39,7 +39,7 @@ def solution(result: Mapping[str, Any], statistics: xr.Dataset) -> str:
         ("levelled", result["levelled"]["removed_and_filled"]),
         ("window", f"{size}, {percent(window['share'])} of the map, {body}"),
         ("bodies", bodies_in_words(settings["contact"])),
-        *facts.number_facts(numbers),
+        *facts.number_facts(numbers).items(),
         *_bodies_at_loads(numbers),
     ]
     shortest, corrected = window.get("shortest_wavelength"), window.get("corrected_for")
