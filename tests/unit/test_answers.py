@@ -24,7 +24,15 @@ from roughcontact.arguments.answers import (
 )
 from roughcontact.arguments.variables import VARIABLES
 from roughcontact.interface.command_line import answers
-from roughcontact.report.glance import HEADINGS, LOAD, NOT_JUDGED, asked_columns, glance_rows, headings_of
+from roughcontact.report.glance import (
+    HEADINGS,
+    LOAD,
+    NOT_JUDGED,
+    answer_line,
+    asked_columns,
+    glance_rows,
+    headings_of,
+)
 from roughcontact.report.groups import group_headings, group_rows
 from roughcontact.report.methods import methods_paragraph
 from roughcontact.report.panel import each_load
@@ -129,11 +137,15 @@ def test_the_screen_has_the_cells_of_the_page(result, monkeypatch):
 
 def test_the_words_of_each_load_are_those_of_its_cells(result):
     rows = glance_rows(result, indices=loads_of(result))
-    for cells, (_, text, *_) in zip(rows, each_load(result, []), strict=True):
+    for index, (cells, (_, text, *_)) in enumerate(zip(rows, each_load(result, []), strict=True)):
+        assert text.startswith(answer_line(result, index, cells, alone=True))
         for name, cell in cells.items():
-            words = ", ".join(filter(None, (f"{HEADINGS[name]} {cell.text}", cell.details, cell.known)))
-            # what is not judged, or not asked for, needs no words at each load
-            assert (words in text) == (cell.text != "not judged" and name in asked_columns([result]))
+            # what is not asked for needs no words at each load
+            words = f"{ANSWERS[name].words if name in ANSWERS else HEADINGS[name]} {cell.text}".lower()
+            if name in asked_columns([result]):
+                assert all(part in text for part in (cell.text, *cell.details.split("; "), cell.precision))
+            else:
+                assert name == LOAD or words not in text.lower()
 
 
 def test_all_numbers_have_the_same_digits(result):

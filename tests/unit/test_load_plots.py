@@ -6,7 +6,6 @@ import xarray as xr
 from known_surfaces import self_affine
 from read_charts import read_chart
 
-from roughcontact.arguments.quantities import Unit
 from roughcontact.report import load_plots
 from roughcontact.report.charts import COLOURS
 from roughcontact.statistics import theory
@@ -93,7 +92,7 @@ def test_contact_area_and_theories_against_the_load():
 def compared(results, styles=None):
     """Return what a chart of several surfaces shows, by default in as many colours."""
     styles = styles or {name: load_plots.line_style(index) for index, name in enumerate(results)}
-    return read_chart(load_plots.compare_areas(results, styles, pressure=Unit(1e-6, "MPa")), log="xy")
+    return read_chart(load_plots.compare_areas(results, styles), log="xy")
 
 
 def test_surfaces_side_by_side():

@@ -5,7 +5,7 @@ import numpy as np
 from roughcontact.arguments.answers import ALLOWED_VALUES, AREA, ENDS, TOTALS
 from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.variables import Numbers
-from roughcontact.report.units import number_text, unit_of
+from roughcontact.report.units import quantity_text, unit_of
 from roughcontact.statistics.decisions import is_lifted, lifting_pressure
 from roughcontact.statistics.kinds import load_in_words
 
@@ -78,7 +78,7 @@ def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
         f"{AREA}{suffix}": numbers[f"{AREA}{suffix}"] for suffix in ENDS if f"{AREA}{suffix}" in numbers
     }
     unit = unit_of(numbers, ALLOWED_VALUES[name].unit)
-    return f"{number_text(compared, totals[0], unit, index)} {unit.symbol}"
+    return quantity_text(compared, totals[0], unit, index)
 
 
 def fluid_in_words(numbers: Numbers, index: int, name: str = "leak") -> str:

@@ -45,27 +45,21 @@ def course_sections(name: str, loading: xr.Dataset, results: Path, folder: Path)
     """
     sections = {}
     for path in (results / file for file in _COURSES if (results / file).is_file()):
-        with opened_dataset(path) as over:
-            part, sentences, draw = _content(loading, path, over)
-            images = {label: chart.source() for label, chart in draw().items()}
+        part, section = course_section(loading, path, drawn=True)
         link = Path(os.path.relpath(path, folder)).as_posix()
-        sections[part] = {"name": name, "images": images, "sentences": sentences, "link": link}
+        sections[part] = section | {"name": name, "link": link}
     return sections
 
 
-def course_text(loading: xr.Dataset, path: Path) -> tuple[str, dict[str, list[str]]]:
-    """Return the part of the page that a file is, and of what `course_sections` has of it the sentences."""
-    with opened_dataset(path) as over:
-        part, sentences, _ = _content(loading, path, over)
-        return part, {"sentences": sentences}
-
-
-def _content(loading: xr.Dataset, path: Path, over: xr.Dataset) -> tuple[str, *Part]:
-    """Return a part of the page, its sentences, or why it came to nothing, and what draws its charts."""
+def course_section(loading: xr.Dataset, path: Path, *, drawn: bool = False) -> tuple[str, dict[str, Any]]:
+    """Return the part of the page that a file is, its sentences, or why there is nothing, and its charts."""
     part, content = _COURSES[path.name]
-    if reason := over.attrs.get(FAILURE):
-        return part, [f"{part.capitalize()} is not known: {reason}."], dict
-    return part, *content(loading, over)
+    with opened_dataset(path) as over:
+        if reason := over.attrs.get(FAILURE):
+            return part, {"sentences": [f"{part.capitalize()} is not known: {reason}."], "images": {}}
+        sentences, draw = content(loading, over)
+        images = {label: chart.source() for label, chart in draw().items()} if drawn else {}
+        return part, {"sentences": sentences, "images": images}
 
 
 def answer_with_courses(line: str, sections: Mapping[str, Mapping[str, Any]]) -> str:

@@ -156,20 +156,16 @@ def map_comparisons(
 
     With them comes a sentence for each that cannot be made.
     """
-    one_place = [(earlier, later) for earlier, later in same_area_pairs]
+    one_place = [*map(tuple, same_area_pairs)]
     of_faces = [(reference, partner) for reference, *partners in pairs.values() for partner in partners]
     found: list[Comparisons] = []
     for case, of_case in by_case.items():
-        labels = {
-            (one_map, partner_map): (name_under(one_map, case), name_under(partner_map, case))
-            for one_map, partner_map in one_place + of_faces
-            if {one_map, partner_map} <= of_case.keys()
-        }
-        results = {
-            label: (of_case[one_map], of_case[partner_map])
-            for (one_map, partner_map), label in labels.items()
-        }
-        of_place = {label for pair, label in labels.items() if pair in one_place}
+        results, of_place = {}, set()
+        for first, second in one_place + of_faces:
+            if {first, second} <= of_case.keys():
+                labels = name_under(first, case), name_under(second, case)
+                results[labels] = of_case[first], of_case[second]
+                of_place |= {labels} if (first, second) in one_place else set()
         found.append(compare_maps(results, of_place=of_place))
     return _joined(found)
 

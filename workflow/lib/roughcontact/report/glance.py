@@ -34,6 +34,7 @@ from roughcontact.report.units import (
     largest_source,
     median_numbers,
     number_text,
+    quantity_text,
     unit_of,
 )
 from roughcontact.statistics import decisions
@@ -430,8 +431,7 @@ def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int
     value, *bounds = interval_at(numbers, name, index)
     if not np.isfinite([value, *bounds]).any():
         return "not known"
-    text = f"{number_text(numbers, name, units[name], index)} {units[name].symbol}"
-    return text.replace(" ", "\N{NO-BREAK SPACE}")
+    return quantity_text(numbers, name, units[name], index).replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:

@@ -109,7 +109,7 @@ def group_picture(groups: Sequence[NamedGroup]) -> str:
         group.label: group.answer.isel(load=shown) for group, shown in zip(groups, loads, strict=True)
     }
     styles = {label: line_style(index) for index, label in enumerate(displayed)}
-    return compare_areas(displayed, styles, pressure=common_pressure(displayed.values()))
+    return compare_areas(displayed, styles)
 
 
 def _verdicts(group: NamedGroup, verdicts: Mapping[Key, str]) -> str:

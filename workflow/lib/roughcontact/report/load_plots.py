@@ -7,7 +7,6 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, GAP, PEAK, PRESSURE, UNITS
-from roughcontact.arguments.quantities import Unit
 from roughcontact.report.charts import (
     COLOURS,
     DASH_DOTTED,
@@ -20,7 +19,7 @@ from roughcontact.report.charts import (
     log_axis,
     series_style,
 )
-from roughcontact.report.units import interval_values, is_unbounded, stated_loads, unit_of
+from roughcontact.report.units import common_pressure, interval_values, is_unbounded, stated_loads, unit_of
 from roughcontact.statistics import theory
 from roughcontact.statistics.theory import AREAS
 from roughcontact.surface.roughness.summits import summit_statistics
@@ -67,14 +66,13 @@ def has_theories(statistics: xr.Dataset) -> bool:
     return bool(np.isfinite(np.asarray(statistics.get(AREAS[0], 1.0))).any())
 
 
-def compare_areas(
-    results: Mapping[str, xr.Dataset], styles: Mapping[str, dict[str, Any]], *, pressure: Unit
-) -> str:
+def compare_areas(results: Mapping[str, xr.Dataset], styles: Mapping[str, dict[str, Any]]) -> str:
     """Draw the contact area with its interval against the load of surfaces or groups, by their labels.
 
     Of groups (of `group_statistics`) each map is drawn, too. `styles` are those of `line_style`. The loads,
-    which rise, are mean pressures in the unit `pressure`.
+    which rise, are mean pressures.
     """
+    pressure = common_pressure(results.values())
     loads = {name: result["mean_pressure"].values * pressure.factor for name, result in results.items()}
     intervals = {name: interval_values(result, AREA) for name, result in results.items()}
     maps = {name: result.get(f"{AREA}_of_maps", xr.DataArray([])) for name, result in results.items()}

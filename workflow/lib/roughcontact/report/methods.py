@@ -14,7 +14,7 @@ from roughcontact.arguments.stacks import properties_of_bodies
 from roughcontact.report.asked import bodies_in_words
 from roughcontact.report.budget_plots import largest_parts
 from roughcontact.report.template import paragraph, template
-from roughcontact.report.units import interval_at, number_text, unit_of
+from roughcontact.report.units import interval_at, quantity_text, unit_of
 from roughcontact.statistics.decisions import CLOSED
 from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.uncertainty.subwindows import MEASURAND_IN_WORDS
@@ -79,10 +79,10 @@ def _rounded_up(bound: float) -> float:
 
 def _answers(statistics: xr.Dataset, index: int) -> dict[str, str]:
     """Return a load, and the answers there with their intervals in words."""
-    answers = {}
-    for name in ("mean_pressure", AREA, PRESSURE, GAP):
-        unit = unit_of(statistics, UNITS[name])
-        answers[name] = f"{number_text(statistics, name, unit, index)} {unit.symbol}"
+    answers = {
+        name: quantity_text(statistics, name, unit_of(statistics, UNITS[name]), index)
+        for name in ("mean_pressure", AREA, PRESSURE, GAP)
+    }
     if float(statistics[GAP][index]) < CLOSED:  # some atoms, of which the contact of solids knows nothing
         upper = interval_at(statistics, GAP, index)[2]
         at_most = f" (at most {quantity(upper, 'm')})" if upper >= CLOSED else ""

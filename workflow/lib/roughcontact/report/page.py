@@ -21,7 +21,6 @@ from roughcontact.report.groups import Key, name_under
 from roughcontact.report.load_plots import compare_areas, line_style
 from roughcontact.report.summary import from_page, read_summary
 from roughcontact.report.template import template
-from roughcontact.report.units import common_pressure
 from roughcontact.results.collect import Entry, Failure, file_of, solved_results
 from roughcontact.results.storage import write_text
 from roughcontact.statistics.decisions import OPEN_BELOW, OPEN_PARTS
@@ -187,9 +186,8 @@ def _comparison(series: Mapping[Key, xr.Dataset], styles: Mapping[Key, Row]) -> 
     rough = {key: data for key, data in series.items() if np.isfinite(data["relative_pressure"]).all()}
     if len(rough) < 2:  # the panel of a single surface has the same
         return ""
-    looks = {name_under(*key): styles[key] for key in rough}
     by_name = {name_under(*key): data for key, data in rough.items()}
-    return compare_areas(by_name, looks, pressure=common_pressure(rough.values()))
+    return compare_areas(by_name, {name_under(*key): styles[key] for key in rough})
 
 
 def _series(statistics: xr.Dataset) -> dict[Key, xr.Dataset]:

@@ -15,7 +15,7 @@ from roughcontact.arguments.quantities import percent
 from roughcontact.report import facts, glance, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
-from roughcontact.report.courses import answer_with_courses, course_text
+from roughcontact.report.courses import answer_with_courses, course_section
 from roughcontact.report.groups import name_under
 from roughcontact.report.methods import methods_paragraph
 from roughcontact.report.summary import relative_links, write_summary
@@ -67,7 +67,7 @@ def write_panel(
     doubts = outcome.sort_by_importance(outcome.not_passed(all_checks))
     reason = glance.main_doubt(numbers, doubts)
     cells = glance.glance_rows(numbers, indices=indices[-1:])[0]
-    sections = dict(course_text(numbers, Path(course)) for course in courses)
+    sections = dict(course_section(numbers, Path(course)) for course in courses)
     summary: dict[str, Any] = {
         "identifier": surface if case is None else f"{case}--{surface}",
         "name": name_under(surface, case),
@@ -204,21 +204,19 @@ def each_load(numbers: xr.Dataset, with_maps: Sequence[int]) -> list[tuple[str, 
 
     The maps are those of the load itself or, as the words say, of the nearest of those `with_maps`.
     """
-    stated, columns = stated_loads(numbers), glance.asked_columns([numbers])
-    loads, result = stated.values, []
+    stated, result = stated_loads(numbers), []
+    loads = stated.values
     for index, cells in enumerate(glance.glance_rows(numbers, indices=range(loads.size))):
-        text = [
-            ", ".join(filter(None, (f"{glance.HEADINGS[name]} {cell.text}", cell.details, cell.known)))
-            + (f" ({outcome.VERDICTS[cell.outcome]})" if cell.outcome else "")
-            for name, cell in cells.items()
-            if cell.text != glance.NOT_JUDGED and name in columns
-        ]
         nearest = int(np.argmin(np.abs(np.log(loads[list(with_maps)] / loads[index])))) if with_maps else 0
+        text = glance.answer_line(numbers, index, cells, alone=True)
+        if verdict := cells[glance.LOAD].outcome:
+            text += f" Verdict: {outcome.VERDICTS[verdict]}."
         if index not in with_maps:
-            remark = "; below those of the nearest load" if with_maps else ""
-            text.append(f"maps of this load are not drawn{remark}")
+            text += (
+                f" Maps of this load are not drawn{'; below those of the nearest load' * bool(with_maps)}."
+            )
         name = f"{stated.texts[index]} ({index + 1} of {loads.size})"
-        result.append((name, "; ".join(text), nearest, float(f"{loads[index]:.6g}")))
+        result.append((name, text, nearest, float(f"{loads[index]:.6g}")))
     return result
 
 

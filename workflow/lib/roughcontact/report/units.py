@@ -205,6 +205,17 @@ def number_text(numbers: Numbers, name: str, unit: Unit, index: int) -> str:
     return unit.interval(value, *ends)
 
 
+def quantity_text(numbers: Numbers, name: str, unit: Unit, index: int) -> str:
+    """Return a number of a load and its interval, as of `number_text`, with the unit.
+
+    Examples
+    --------
+    >>> quantity_text({"mean_gap": [2e-6]}, "mean_gap", Unit(1e6, "µm"), 0)
+    '2.00 µm'
+    """
+    return f"{number_text(numbers, name, unit, index)} {unit.symbol}".rstrip()
+
+
 def length_unit(longest: float) -> Unit:
     """Return the unit of all lengths along a surface whose window has this longer side (m; 0: unknown).
 
