@@ -54,8 +54,8 @@ def test_a_group_has_its_interval_the_next_map_and_a_scatter_without_plus_minus(
     )  # t of 95 % for two degrees of freedom
     middle = 2 * np.exp(np.mean(np.log([0.9, 1.0, 1.1])))
     assert gap.details == f"−{middle * (1 - np.exp(-half)):.2f} +{middle * (np.exp(half) - 1):.2f}"
-    assert cells["of the next map"].text.endswith(" %")
-    assert " to " in cells["of the next map"].text
+    assert cells["area of the next map"].text.endswith(" %")
+    assert " to " in cells["area of the next map"].text
     areas = 0.05 / np.array([0.9, 1.0, 1.1])  # in percent of the mean, to second order
     assert float(cells["scatter s"].text.removesuffix(" %")) == pytest.approx(
         100 * areas.std(ddof=1) / areas.mean(), rel=0.01

@@ -21,7 +21,7 @@ from roughcontact.uncertainty.scales import from_scale, to_scale
 
 _HEADINGS = {
     **{name: TITLES[name] for name in ("mean_pressure", AREA)},
-    "next": "of the next map",
+    "next": "area of the next map",
     "scatter": "scatter s",
 }
 _IN_LINE = 3  # groups
