@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.checking import check_positive
-from roughcontact.arguments.maps import height_map, pitches
+from roughcontact.arguments.maps import dimensions, height_map, pitches
 from roughcontact.arguments.si import as_declared
 from roughcontact.errors import SettingsError
 from roughcontact.kernels.fourier import halfplane_weights, wavenumbers, wavevectors
@@ -91,11 +91,10 @@ def self_affine_surface(
             f"no wave of {shape[1]} x {shape[0]} points at {spacing[1]:g} m x {spacing[0]:g} m lies between "
             f"shortest = {shortest:g} m and longest = {longest:g} m: widen the band or the map"
         )
-    dimension = 2 if min(shape) > 1 else 1
     noise = np.fft.rfft2(np.random.default_rng(seed).standard_normal(shape))
     spectrum = np.zeros(q.shape, dtype=complex)
     # random phases, exact amplitudes: the spectrum has no scatter
-    spectrum[inside] = noise[inside] / np.abs(noise[inside]) * q[inside] ** -(hurst + dimension / 2)
+    spectrum[inside] = noise[inside] / np.abs(noise[inside]) * q[inside] ** -(hurst + dimensions(shape) / 2)
     power = halfplane_weights(shape) * np.abs(spectrum) ** 2
     if rms_gradient is None:
         spectrum *= rms_height / np.sqrt(power.sum())

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from roughcontact.arguments.maps import dimensions
 from roughcontact.errors import HeightMapError
 from roughcontact.surface.levelling.polynomial import fit_polynomial
 from roughcontact.surface.levelling.robust import biweight, robust_scale
@@ -30,7 +31,7 @@ def fit_curved_form(
     the method of Levenberg and Marquardt (Marquardt 1963, SIAM J. Appl. Math. 11, 431); `curvature` (1/m) is
     negative for a hill, `radius` (m) absent for a flat map.
     """
-    if min(values.shape) == 1:
+    if dimensions(values.shape) == 1:
         shape = "sphere"  # of a profile: a circle, the cross-section of both shapes
     y, x = (np.asarray(c, dtype=float) for c in coordinates)
     middle_y, middle_x = ((c[0] + c[-1]) / 2 for c in (y, x))

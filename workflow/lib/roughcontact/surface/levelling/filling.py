@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from roughcontact.arguments.maps import dimensions
 from roughcontact.errors import HeightMapError
 
 _TOLERANCE = 1e-10  # residual of the Laplace equation, relative to its right-hand side
@@ -38,7 +39,7 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
     inside = labels > 0
     if not inside.any():
         return values.copy()
-    if min(values.shape) == 1:
+    if dimensions(values.shape) == 1:
         return _fill_profile(values, inside)
     from scipy import ndimage
 

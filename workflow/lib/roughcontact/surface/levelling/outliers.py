@@ -9,6 +9,7 @@ from functools import partial
 
 import numpy as np
 
+from roughcontact.arguments.maps import dimensions
 from roughcontact.kernels.choose import library_available
 from roughcontact.kernels.compiled import median_filter
 from roughcontact.surface.levelling.polynomial import fit_polynomial
@@ -113,7 +114,7 @@ def _spikes(values: np.ndarray, threshold: float) -> np.ndarray:
     result = np.zeros(values.shape, dtype=bool)
     if max(values.shape) <= 2 * _MEDIAN_HALF_WIDTH or np.isnan(values).all():
         return result
-    ring_half_width = _PROFILE_RING_HALF_WIDTH if min(values.shape) == 1 else _RING_HALF_WIDTH
+    ring_half_width = _PROFILE_RING_HALF_WIDTH if dimensions(values.shape) == 1 else _RING_HALF_WIDTH
     # the ring needs a border beyond the map as wide as it reaches
     half_widths, border = (
         [min(half_width, n - 1) for n in values.shape] for half_width in (_MEDIAN_HALF_WIDTH, ring_half_width)

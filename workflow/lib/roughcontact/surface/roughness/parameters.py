@@ -10,7 +10,7 @@ import math
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.maps import dimensions, spacing
 from roughcontact.arguments.si import as_si
 from roughcontact.kernels import fourier
 from roughcontact.kernels.waves import each_wave, spectral_gradient, wave_power
@@ -294,7 +294,7 @@ def _profile_moments(height: xr.DataArray, moments: tuple[float, float, float]) 
     """Return the moments of profiles from those of the surface."""
     m0, gradient, laplacian = moments
     # of an isotropic surface: the mean of cos^2 is 1/2, that of cos^4 is 3/8
-    return moments if min(height.shape) == 1 else (m0, gradient / 2, laplacian * 3 / 8)
+    return moments if dimensions(height.shape) == 1 else (m0, gradient / 2, laplacian * 3 / 8)
 
 
 def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[float, float]) -> float:

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.maps import dimensions, spacing
 from roughcontact.arguments.si import as_si
 from roughcontact.kernels import fourier
 from roughcontact.kernels.arrays import DOUBLE
@@ -25,7 +25,7 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
     without summits.
     """
     names = ("density", "mean_radius", "height_std", "mean_height")
-    if min(height.shape) == 1:
+    if dimensions(height.shape) == 1:
         return dict.fromkeys(names, math.nan)
     values = height.values.astype(float)
     values -= values.mean()

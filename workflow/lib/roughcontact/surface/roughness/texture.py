@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.maps import dimensions, spacing
 from roughcontact.arguments.si import as_si
 from roughcontact.kernels.arrays import DOUBLE
 from roughcontact.kernels.fft import make_plan
@@ -102,7 +102,7 @@ def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) ->
     shortest, longest, decays = decay_lengths(correlation, spacing(height))
     del correlation
     result |= {"Sal": shortest, "Ssw": _dominant_wavelength(power, height.shape, spacing(height))}
-    if min(height.shape) > 1:
+    if dimensions(height.shape) > 1:
         aspect = shortest / longest
         theta, power = angular_spectrum(height, power)
         result |= {
@@ -162,7 +162,7 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
             peak = np.concatenate([peak, peak.take([0], axis)], axis)
     splines = spline_filter(peak, order=3)
     middle = [c - start for c, start in zip(centre, starts, strict=True)]
-    profile = min(correlation.shape) == 1
+    profile = dimensions(correlation.shape) == 1
     along = 1 if correlation.shape[1] > 1 else 0
     angles = [np.pi / 2 * (1 - along)] if profile else np.pi * np.arange(_RAYS) / _RAYS
     # half a period, beyond which the autocorrelation repeats, and what is left of the box

@@ -2,6 +2,7 @@
 
 import xarray as xr
 
+from roughcontact.arguments.maps import dimensions
 from roughcontact.arguments.si import as_si
 from roughcontact.arguments.variables import describe
 from roughcontact.surface.roughness.heights import HEIGHT_PARAMETERS
@@ -85,7 +86,7 @@ def power_spectrum(height: xr.DataArray) -> xr.DataArray:
     wavenumber, power = isotropic_spectrum(window)
     axis = xr.Variable("wavenumber", wavenumber, {"units": "rad m-1", "long_name": "angular wavenumber"})
     attrs = {
-        "units": f"m{2 + sum(points > 1 for points in window.shape)}",
+        "units": f"m{2 + dimensions(window.shape)}",
         "long_name": "power spectral density, mean over all directions",
     }
     return xr.DataArray(power, {"wavenumber": axis}, name="power_spectrum", attrs=attrs)
