@@ -1,6 +1,9 @@
 """The limits of the checks: what lies at a limit passes, what lies just beyond asks for a look or fails."""
 
+import ast
+import inspect
 import json
+from collections import defaultdict
 
 import numpy as np
 import pytest
@@ -8,8 +11,17 @@ import xarray as xr
 
 import roughcontact as rc
 from roughcontact.arguments import materials
-from roughcontact.statistics import checks, contact_checks, map_checks
-from roughcontact.statistics.outcome import FAILED, NOTE, PASSED, REVIEW, Check, reason_text
+from roughcontact.statistics import checks, contact_checks, instrument_checks, map_checks, outcome
+from roughcontact.statistics.outcome import (
+    FAILED,
+    IMPORTANCE,
+    NOT_MADE,
+    NOTE,
+    PASSED,
+    REVIEW,
+    Check,
+    reason_text,
+)
 from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.synthetic import rough_reference_surface, self_affine_surface
 
@@ -17,6 +29,34 @@ from roughcontact.surface.synthetic import rough_reference_surface, self_affine_
 def per_load(**columns):
     """Return a dataset of columns along the loads."""
     return xr.Dataset({name: ("load", np.atleast_1d(values)) for name, values in columns.items()})
+
+
+def test_the_table_of_checks_has_each_case_of_the_code_and_no_more():
+    cases = defaultdict(set)
+    for module in (contact_checks, instrument_checks, map_checks):
+        functions = [node for node in ast.parse(inspect.getsource(module)).body if hasattr(node, "args")]
+        for node in (inner for function in functions for inner in ast.walk(function)):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "judged":
+                function = next(whole for whole in functions if node in ast.walk(whole))
+                dictionaries = [
+                    part.value
+                    for part in ast.walk(function)
+                    if isinstance(part, ast.Assign) and getattr(part.targets[0], "id", "") == "cases"
+                ]
+                literal = [node.args[1]] if isinstance(node.args[1], ast.Dict) else dictionaries
+                cases[node.args[0].value] |= {key.value for each in literal for key in each.keys}
+    assert {name: {*rows} - {""} for name, rows in outcome._SENTENCES.items()} == cases
+    assert {*cases} == {*IMPORTANCE}
+    rows = [row for rows in outcome._SENTENCES.values() for row in rows.values()]
+    assert {row[0] for row in rows} == {PASSED, NOTE, REVIEW, FAILED, NOT_MADE}
+    assert max(map(len, rows)) == 4  # finding, explanation, advice
+
+
+def test_a_doubt_of_the_modulus_without_another_unit_ends_its_sentence():
+    softer_than_all = per_load(mean_pressure=1e-12).assign(contact_modulus=1e-12)
+    assert contact_checks.units(softer_than_all).sentence == (
+        "Contact modulus: 1.00 pPa is softer than any gel (1.00 kPa)."
+    )
 
 
 @pytest.mark.parametrize("load_settings", [{}, {"target_area": 0.01}])

@@ -7,7 +7,7 @@ from roughcontact import HeightMapError, SettingsError, height_map, level
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.rectangles import Rectangle, parse_rectangles
 from roughcontact.statistics.map_checks import reading
-from roughcontact.statistics.outcome import noted
+from roughcontact.statistics.outcome import NOTE
 from roughcontact.study.table.read import read_surfaces
 from roughcontact.surface.preparation.region import used_region
 
@@ -56,7 +56,7 @@ def test_what_was_done_is_a_note_of_the_results(rough):
     masked = "1 rectangle masked (mask = 0 0 50 2 um), 3.33 % of the points of 50.0 µm × 60.0 µm"
     assert json_attribute(attrs, "ingest_facts") == [f"{masked}: they count as not measured", text]
     check = reading(attrs, {})
-    assert check.outcome == noted("").outcome
+    assert check.outcome == NOTE
     assert "Cropped to 30.0 µm" in check.finding
 
 

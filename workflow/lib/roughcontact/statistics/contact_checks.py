@@ -9,13 +9,13 @@ import xarray as xr
 from roughcontact.arguments import materials
 from roughcontact.arguments.answers import AREA
 from roughcontact.arguments.measurement import json_attribute
-from roughcontact.arguments.quantities import number, percent, quantity
+from roughcontact.arguments.quantities import number
 from roughcontact.arguments.variables import Numbers
 from roughcontact.contact.dataset import recorded_medium
 from roughcontact.statistics.conductance import knudsen_resistance_ratio
 from roughcontact.statistics.decisions import is_lifted
 from roughcontact.statistics.kinds import load_in_words, unit_of_pressures
-from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
+from roughcontact.statistics.outcome import REVIEW, Check, judged
 from roughcontact.statistics.sealing.gas import MIN_INVERSE_KNUDSEN, path_at_mean_pressure
 from roughcontact.statistics.selected_loads import Statistics
 
@@ -26,7 +26,6 @@ _BALLISTIC = 0.1  # of the resistance, added by the mean free path: less hides i
 # J. Appl. Phys. 119, 085101)
 _RESISTIVITY_TIMES_PATH = 7e-16
 _GAS = 5e-5  # Pa s; air has 1.8e-5, the thinnest liquids that are sealed 1e-4
-_RUBBER = quantity(materials.RUBBER, "Pa", digits=1)
 _ROUGHNESS_OF_FORM = 0.05  # rms height over Hertz's approach
 OVERCOUNT = 0.2  # excess of the counted over the corrected area: patches are a few pixels across
 
@@ -43,27 +42,17 @@ def convergence(statistics: Statistics) -> Check:
     'All loads converged: error bound at most 3.0×10⁻⁵, tolerance 1×10⁻⁴.'
     """
     misses, loads = int((statistics["converged"] == 0).sum()), statistics.sizes["load"]
-    bound = number(float(statistics["error_bound"].max()), digits=2)
-    tolerance = number(float(statistics.attrs["tolerance"]), digits=1)
-    if misses:
-        return failed(
-            f"{misses} of {loads} loads missed the tolerance of {tolerance}; the error bound reaches {bound}."
-        )
-    return passed(f"All loads converged: error bound at most {bound}, tolerance {tolerance}.")
+    facts = {"bound": statistics["error_bound"].max(), "tolerance": statistics.attrs["tolerance"]}
+    return judged("Solver", {"missed": misses}, misses=misses, loads=loads, **facts)
 
 
 def contact_points(statistics: Statistics, points: int) -> Check:
     """Check that more than a handful of the `points` of the window are in contact at every load."""
     # whole numbers again, after the share was rounded
     counts = np.rint(statistics["relative_contact_area_pixels"].values * points).astype(int)
-    if few_loads := int((counts < CONTACT_POINTS).sum()):
-        loads = f"At {few_loads} of {counts.size} loads fewer" if counts.size > 1 else "Fewer"
-        return review(
-            f"{loads} than {CONTACT_POINTS} points are in contact (down to {counts.min()}): areas and "
-            "pressures are coarse there.",
-            advice="Use higher loads or a finer map.",
-        )
-    return passed(f"At least {counts.min()} points in contact at every load.")
+    few = counts < CONTACT_POINTS
+    facts = {"loads": _some_loads(few, "fewer"), "limit": CONTACT_POINTS, "least": counts.min()}
+    return judged("Points in contact", {"few": few.any()}, **facts)
 
 
 def overcount(statistics: Numbers) -> np.ndarray:
@@ -83,23 +72,11 @@ def overcount(statistics: Numbers) -> np.ndarray:
 
 def resolution(statistics: Statistics) -> Check:
     """Check that the contact patches are more than a few points across."""
-    resolution = float(statistics["points_per_shortest_wavelength"][0])
-    if np.isnan(resolution):
-        return passed("The map is flat: there is no wave to resolve.")
-    excess = overcount(statistics)
-    largest_excess = percent(excess.max())
-    waves = f"The shortest wave of the map has {number(resolution, digits=2)} points."
-    if coarse := int((excess > OVERCOUNT).sum()):
-        loads = f"At {coarse} of {excess.size} loads the" if excess.size > 1 else "The"
-        return review(
-            f"{loads} contact patches are only a few points across: counting points overstates the area by "
-            f"up to {largest_excess}, and the correction is coarse.",
-            explanation=waves,
-            advice="Measure with finer pixels.",
-        )
-    return passed(
-        f"Counting points overstates the area by at most {largest_excess}; this is corrected. {waves}"
-    )
+    points, excess = float(statistics["points_per_shortest_wavelength"][0]), overcount(statistics)
+    is_coarse = excess > OVERCOUNT
+    cases = {"flat": np.isnan(points), "coarse": is_coarse.any()}
+    facts = {"loads": _some_loads(is_coarse, "the"), "excess": excess.max(), "points": points}
+    return judged("Resolution", cases, **facts)
 
 
 def plasticity(statistics: Statistics) -> Check:
@@ -120,56 +97,33 @@ def _hardness_check(statistics: Statistics) -> Check:
     if "first_yield_pressure" in statistics:
         load = " of ".join(load_in_words(float(statistics["first_yield_pressure"]), statistics))
         yield_text = f" First yield at a {load}."
-    bears = f"the hardness of {unit_of_pressures(statistics).text(hardness)}"
-    yields = area_share > 0
-    if not yields.any():
-        largest = percent(float(statistics["max_pressure"].max()) / hardness)
-        return passed(f"No point carries {bears}: at most {largest} of it.{yield_text}")
-    worst = int(np.argmax(load_share))
+    worst, yields = np.argmax(load_share), area_share > 0
+    # the plasticity index
     index = modulus * float(statistics["rms_gradient"]) / hardness
-    return review(
-        f"{_loads(yields, statistics)} points carry {bears} and flow: up to {percent(load_share[worst])} of "
-        f"the load on {percent(area_share[worst])} of the contact area.",
-        explanation=f"The pressure is limited there, the shape after yielding is not known.{yield_text} "
-        f"Plasticity index E* g / H = {number(index, digits=2)} (mostly elastic below 0.3, mostly plastic "
-        "above 3).",
-    )
+    numbers = {"largest": statistics["max_pressure"].max() / hardness, "index": index}
+    numbers |= {"load_share": load_share[worst], "area_share": area_share[worst]}
+    words = {"loads": _loads(yields, statistics), "hardness": unit_of_pressures(statistics).text(hardness)}
+    cases = {"flows": yields.any(), "elastic": True}
+    return judged("Plasticity", cases, **numbers, **words, first_yield=yield_text)
 
 
 def _check_by_classes(statistics: Statistics) -> Check:
     """Return the check of the pressure where no hardness is stated, by classes of materials."""
     modulus, (mean, largest) = float(statistics["contact_modulus"]), _over_modulus(statistics)
     beyond_materials, flowing = mean > materials.MAX_HARDNESS, _metals_flow(mean, largest)
-    figures = f"the mean pressure in contact reaches {number(mean.max(), digits=2)} E*"
-    figures += f", the largest {number(largest.max(), digits=2)} E*"
-    limits = "{:g} to {:g} E*".format(*materials.METALS)
-    not_stated = "no hardness is stated"
-    state = "State the hardness (contact.hardness, or that of the bodies)."
-    if rubber_like(statistics):
-        if mean.max() > 1:  # rubber is elastic to large strains, but not beyond its own modulus
-            return review(f"More than rubber bears: {figures}.")
-        text = f"{not_stated}; {figures}; rubber-like solids (E* below {_RUBBER}) bear that."
+    is_rubber = rubber_like(statistics)
+    cases = {
+        # rubber is elastic to large strains, but not beyond its own modulus
+        "beyond rubber": is_rubber and mean.max() > 1,
         # the modulus of a gel may be one in MPa that was taken for Pa
-        if modulus < materials.GEL and flowing.any():
-            text = (
-                f"{not_stated}; {figures}; gels bear that, and E* = {quantity(modulus, 'Pa')} is that of "
-                f"one. If it was given in MPa, it is {quantity(1e6 * modulus, 'Pa')}, and metals flow there."
-            )
-        return not_made(text)
-    if beyond_materials.any():
-        return failed(
-            f"{_loads(beyond_materials, statistics)} the contact is beyond what any material bears, "
-            f"{materials.MAX_HARDNESS:g} E*: {figures}.",
-            explanation="An elastic result means nothing there.",
-            advice=state,
-        )
-    if flowing.any():
-        return review(
-            f"{_loads(flowing, statistics)} metals would flow, which they do at {limits}: {figures}.",
-            explanation="No hardness is stated, and the result is elastic whatever the pressure.",
-            advice=state,
-        )
-    return not_made(f"{not_stated}; {figures}; metals flow at {limits}.", advice=state)
+        "gel": is_rubber and modulus < materials.GEL and flowing.any(),
+        "rubber": is_rubber,
+        "beyond materials": beyond_materials.any(),
+        "metals flow": flowing.any(),
+    }
+    loads = _loads(beyond_materials if beyond_materials.any() else flowing, statistics)
+    facts = {"mean": mean.max(), "largest": largest.max(), "modulus": modulus, "if_in_mpa": 1e6 * modulus}
+    return judged("Plasticity", cases, loads=loads, limits=materials, **facts)
 
 
 def rubber_like(statistics: Numbers) -> bool:
@@ -229,24 +183,9 @@ def layers(statistics: Statistics, points: int) -> Check | None:
     sides = [side for side in lengths if np.isfinite(side)]  # a profile has one
     # the mean pitch: of oblong pixels both sides count
     pixel = float(np.prod(sides) / points) ** (1 / len(sides))
-    pixels = number(medium.thinnest / pixel, digits=2)
-    share = number(medium.thickest / max(sides), digits=2)
-    if medium.thinnest < LAYER_PIXELS * pixel:
-        return review(
-            f"The thinnest layer ({quantity(medium.thinnest, 'm')}) is {pixels} pixels thick: the area is "
-            f"corrected by the perimeter as on a half-space, which holds from {LAYER_PIXELS} pixels on.",
-            advice="Use a finer map, or take the difference to the pixels counted for the error.",
-        )
-    if medium.thickest > max(sides):
-        return review(
-            f"The layers ({quantity(medium.thickest, 'm')}) are {share} times as thick as the window is "
-            "long: what longer waves do to the base is left out.",
-            advice="Use a larger map, or leave the base out.",
-        )
-    return passed(
-        f"The thinnest layer is {pixels} pixels thick, all at most {share} of the window's length. Not "
-        "judged with layers: theories."
-    )
+    pixels, share = medium.thinnest / pixel, medium.thickest / max(sides)
+    cases = {"thin": medium.thinnest < LAYER_PIXELS * pixel, "thick": medium.thickest > max(sides)}
+    return judged("Layers", cases, medium=medium, pixels=pixels, share=share, limit=LAYER_PIXELS)
 
 
 def local_scale(statistics: Statistics) -> Check | None:
@@ -256,42 +195,34 @@ def local_scale(statistics: Statistics) -> Check | None:
     last = statistics.isel(load=int(statistics["force"].values.argmax()))
     # the least approach: under the smallest force roughness is largest against the form
     ratio = float(statistics["rms_height"] / statistics["hertz_approach"].min())
-    share = float(last["local_contact_area"] / (np.pi * last["hertz_radius"] ** 2))
-    force, radius = quantity(float(last["force"]), "N"), quantity(float(last["hertz_radius"]), "m")
-    gap = quantity(float(last["local_mean_gap"]), "m")
-    text = (
-        "Each place of the smooth contact (Hertz) has the contact of this map under the nominal pressure "
-        f"there: at {force}, radius {radius}, {percent(share)} of the area and a mean gap of {gap}. "
-        f"Roughness has to be small against the form: its rms height is {percent(ratio)} of the least "
-        "approach."
-    )
     lengths = [statistics[f"window_length_{axis}"] for axis in "xy"]
     # a map as large as the contact does not see a pressure that is the same all over
-    if ratio <= _ROUGHNESS_OF_FORM and np.nanmax(lengths) < 2 * statistics["hertz_radius"].min():
-        return noted(text)
-    return review(text, advice="Solve a map that is larger than the contact, with boundary: free.")
+    is_small = np.nanmax(lengths) < 2 * statistics["hertz_radius"].min()
+    share = last["local_contact_area"] / (np.pi * last["hertz_radius"] ** 2)
+    cases = {"holds": ratio <= _ROUGHNESS_OF_FORM and is_small}
+    return judged("Local scale", cases, ratio=ratio, share=share, last=last)
 
 
 def units(statistics: Statistics) -> Check:
     """Check that modulus and loads are those of real materials: else a unit is likely to be wrong."""
     modulus, loads = float(statistics["contact_modulus"]), statistics["mean_pressure"].values
-    # a problem in units of its own, which cannot be checked
-    if modulus == 1:
-        return not_made("the contact modulus is 1, so that pressures are in units of it.")
-    if doubt := materials.doubt_of_modulus(modulus):
-        return review(f"Contact modulus: {doubt.question().rstrip('.')}")
-    if text := _friction_doubt(statistics) or _temperature_doubt(statistics):
-        return review(text)
-    description = f"A contact modulus of {quantity(modulus, 'Pa')}"
-    # loads that nobody stated have no unit to be wrong
-    if statistics.attrs.get("loads") == "planned":
-        return passed(f"{description} is that of real materials; no load is stated.")
-    if doubts := [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]:
-        text = f"At {len(doubts)} of {loads.size} loads the mean pressure is implausible: "
-        return review(text + doubts[0].question())
+    of_modulus = materials.doubt_of_modulus(modulus)
+    of_warmth = _friction_doubt(statistics) or _temperature_doubt(statistics)
+    of_loads = [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]
     low, high = (unit_of_pressures(statistics).text(float(f(loads))) for f in (np.min, np.max))
+    cases = {
+        # a problem in units of its own, which cannot be checked
+        "own": modulus == 1,
+        "modulus": of_modulus,
+        "warmth": of_warmth,
+        # loads that nobody stated have no unit to be wrong
+        "planned": statistics.attrs.get("loads") == "planned",
+        "loads": of_loads,
+    }
+    questions = [doubt.question() for doubt in (of_modulus, *of_loads) if doubt]
+    facts = {"modulus": modulus, "warmth": of_warmth, "doubtful": len(of_loads), "loads": loads.size}
     span = low if low == high else f"{low} to {high}"
-    return passed(f"{description} and loads of {span} are those of real materials.")
+    return judged("Units", cases, **facts, questions=questions, span=span)
 
 
 def _friction_doubt(statistics: Statistics) -> str:
@@ -327,15 +258,22 @@ def _temperature_doubt(statistics: Statistics) -> str:
 
 
 def _loads(mask: np.ndarray | xr.DataArray, statistics: Statistics) -> str:
-    """Return the loads concerned, as the beginning of a sentence."""
+    """Return the loads concerned, as the beginning of a sentence; empty for none."""
     pressures = statistics["mean_pressure"].values
     chosen = pressures[np.asarray(mask)]
+    if not chosen.size:
+        return ""
     _, lightest = load_in_words(float(chosen.min()), statistics)
     if pressures.size == 1:
         return f"At {lightest}"
     if chosen.size == pressures.size:
         return "At every load"
     return f"At {chosen.size} of {pressures.size} loads, from {lightest} on,"
+
+
+def _some_loads(mask: np.ndarray, word: str) -> str:
+    """Return how many loads are concerned, and the word after them, as the beginning of a sentence."""
+    return f"At {np.count_nonzero(mask)} of {mask.size} loads {word}" if mask.size > 1 else word.capitalize()
 
 
 @np.errstate(invalid="ignore")  # full contact has no constriction
@@ -356,15 +294,8 @@ def mean_free_path(statistics: Statistics) -> Check | None:
     knudsen = 3 * np.pi / 8 * float(ratio[is_known].max())
     path = _RESISTIVITY_TIMES_PATH * float((conductance / of_constriction)[is_known].max())
     increase = float(knudsen_resistance_ratio(knudsen)) - 1
-    length, radius = (quantity(value, "m", digits=2) for value in (path, path / knudsen))
-    text = (
-        f"The spots conduct like round ones of a radius of {radius} at the least; electrons of a metal of "
-        f"this resistivity go {length} without a collision (Knudsen number {number(knudsen, digits=2)}), "
-        f"which adds up to {percent(increase)} to the resistance"
-    )
-    if increase < _BALLISTIC:
-        return passed(f"{text}.")
-    return review(f"{text} and is not in the ±.", advice="Add it.")
+    facts = {"radius": path / knudsen, "path": path, "knudsen": knudsen, "increase": increase}
+    return judged("Mean free path", {"ballistic": increase >= _BALLISTIC}, **facts)
 
 
 def fluid(statistics: Statistics) -> Check | None:
@@ -379,41 +310,28 @@ def fluid(statistics: Statistics) -> Check | None:
     """
     if "leak_rate_x" not in statistics:
         return None
-    difference, viscosity = (statistics.attrs[f"seal_{key}"] for key in ("pressure_difference", "viscosity"))
-    text = f"The fluid presses with up to {quantity(difference, 'Pa')}"
-    # the fluid would push the bodies apart
-    if (lifts := is_lifted(statistics)).any():
-        text += f", more than the bodies at {lifts.sum()} of {lifts.size} loads: it would lift them."
-        return review(text, advice="State the load that presses them together while the fluid is there.")
-    if "seal_outlet_pressure" in statistics.attrs:
-        text += " above its outlet, less than the bodies, and expands as an ideal gas"
-        return _slip(statistics, text)
-    if viscosity >= _GAS:
-        return passed(f"{text}, less than the bodies.")
-    return review(
-        f"The fluid has the viscosity of a gas, {quantity(viscosity, 'Pa s')}; the leak rate is that of an "
-        "incompressible fluid.",
-        ("sealing",),
-        advice="State outlet pressure and mean free path of the gas (statistics.seal).",
-    )
-
-
-def _slip(statistics: Statistics, text: str) -> Check:
-    """Return the check that the slip of a gas is known, by its mean free path over the narrowest place."""
-    names = [f"critical_constriction_{axis}" for axis in "xy"]
-    # where it is closed no gas flows
-    narrowest = [float(statistics[name].where(statistics[name] > 0).min()) for name in names]
-    if not (path := path_at_mean_pressure(statistics.attrs)):
-        advice = "State its mean free path, 68 nm for air at 1 bar (statistics.seal)."
-        return review(f"{text}; slip is left out, and it leaks more.", ("sealing",), advice=advice)
-    if np.isnan(narrowest).all():
-        return passed(f"{text}.")
-    knudsen = path / np.nanmin(narrowest)
-    text += f"; its Knudsen number at the narrowest place is up to {number(knudsen, digits=2)}"
-    # D = sqrt(pi)/2 over the Knudsen number is the argument of the fit
-    if knudsen * MIN_INVERSE_KNUDSEN <= np.sqrt(np.pi) / 2:
-        return passed(f"{text}, and the leak rate includes its slip.")
-    return review(f"{text}, beyond what is known of its flow; it leaks more.", ("sealing",))
+    pressure, viscosity = (statistics.attrs[f"seal_{key}"] for key in ("pressure_difference", "viscosity"))
+    lifts, is_gas = is_lifted(statistics), "seal_outlet_pressure" in statistics.attrs
+    knudsen = 0.0
+    if path := path_at_mean_pressure(statistics.attrs):
+        places = np.array([statistics[f"critical_constriction_{axis}"] for axis in "xy"])
+        # where it is closed no gas flows
+        knudsen = path / float(places[places > 0].min(initial=np.inf))
+    cases = {
+        # the fluid would push the bodies apart
+        "lifts": lifts.any(),
+        "gas without path": is_gas and not path,
+        "gas at closed gap": is_gas and knudsen == 0,
+        # D = sqrt(pi)/2 over the Knudsen number is the argument of the fit
+        "gas": is_gas and knudsen * MIN_INVERSE_KNUDSEN <= np.sqrt(np.pi) / 2,
+        "rarefied gas": is_gas,
+        "viscosity of a gas": viscosity < _GAS,
+    }
+    facts = {"pressure": pressure, "viscosity": viscosity, "knudsen": knudsen}
+    check = judged("Fluid", cases, **facts, lifted=lifts.sum(), loads=lifts.size)
+    # what is not known of a flow concerns the leak alone
+    is_of_flow = check.outcome == REVIEW and not lifts.any()
+    return check._replace(answers=("sealing",)) if is_of_flow else check
 
 
 def load_range(statistics: Statistics) -> Check:
@@ -427,10 +345,6 @@ def load_range(statistics: Statistics) -> Check:
     >>> load_range(both).sentence
     'The contact covers 11.0 % to 100 % of the area.'
     """
-    full = int((statistics["relative_contact_area_pixels"] == 1).sum())
-    loads = statistics.sizes["load"]
-    if full == loads:
-        where = "Full contact at every load" if loads > 1 else "Full contact"
-        return noted(f"{where}.", advice="Lower loads would show how it comes about.")
+    full, loads = int((statistics["relative_contact_area_pixels"] == 1).sum()), statistics.sizes["load"]
     low, high = (float(f(statistics["relative_contact_area"])) for f in (np.min, np.max))
-    return passed(f"The contact covers {percent(low)} to {percent(high)} of the area.")
+    return judged("Load range", {"full": full == loads == 1, "all full": full == loads}, low=low, high=high)

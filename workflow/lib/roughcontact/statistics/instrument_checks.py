@@ -6,16 +6,17 @@ how often the checks flag maps is in `benchmarks/results/instrument_checks.csv`.
 
 import re
 from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.measurement import Instrument, json_attribute
-from roughcontact.arguments.quantities import number, percent, quantity
+from roughcontact.arguments.quantities import number, percent
 from roughcontact.io.instrument_kinds import PROBE, UNKNOWN, Kind, of_name
 from roughcontact.statistics.map_checks import Attributes
-from roughcontact.statistics.outcome import Check, not_made, passed, review
+from roughcontact.statistics.outcome import REVIEW, Check, judged
 from roughcontact.statistics.selected_loads import Statistics
 from roughcontact.surface.levelling.record import s_index
 from roughcontact.surface.roughness.traces import MAX_GRADIENT
@@ -51,14 +52,7 @@ QUIETEST, QUIETEST_PROBE = 5e-11, 5e-12
 _PROBE_PIXEL = 1e-7  # a smaller pixel is that of a probe microscope, whatever the file says
 _CAMERA = (1e-6, 6e-5)  # pitch of camera pixels, binned ones included
 
-_UNFILTERED = "export it unfiltered"
-_RESOLVED = "state the lens (instrument.numerical_aperture, instrument.resolution)"
-_SMOOTHED_MEANS = (
-    "Contact areas are then too large, pressures and gaps too small, but not those of longer waves alone: "
-    "of coarser pixels, or filtered (level.s_filter)"
-)
-_FEW_WAVES = "too few waves to judge the spectrum by."
-_PERIODIC_MAP = "the map is periodic as it is, as made ones are."
+_OR = ", or "  # between remedies
 
 
 def shortest_measured_wave(window: xr.DataArray) -> float:
@@ -74,63 +68,43 @@ def smoothed(window: Attributes) -> Check:
     A spectrum that ends before the pixel (lens, filter, interpolation) or bends down in its last octave
     (lens), blunt peaks (stylus) and repeated heights (median filter) show that it was not.
     """
-    if window.get("periodisation") == "none":  # a synthetic map has no instrument
-        return not_made(_PERIODIC_MAP)
-    if "spectrum_exponent" not in window:
-        return not_made(_FEW_WAVES)
-    traces = [*_traces(window)]
+    # a synthetic map has no instrument
+    is_periodic, has_spectrum = window.get("periodisation") == "none", "spectrum_exponent" in window
+    traces = [] if is_periodic or not has_spectrum else [*_traces(window)]
     # what is stated already is no reason to ask again
-    if open_traces := [(sentence, remedies) for sentence, remedies in traces if remedies]:
-        remedies = ", or ".join(dict.fromkeys(remedy for _, of_trace in open_traces for remedy in of_trace))
-        finding, *further = [f"{sentence}." for sentence, _ in open_traces]
-        return review(
-            finding,
-            explanation=" ".join([*further, f"{_SMOOTHED_MEANS}."]),
-            advice=f"{remedies[0].upper()}{remedies[1:]}.",
-        )
-    if traces:
-        return passed(". ".join(sentence for sentence, _ in traces) + ".")
-    return passed(f"The spectrum reaches down to the pixels: its steepest fall is {_exponent(window)}.")
+    open_traces = [trace for trace in traces if trace.outcome == REVIEW]
+    remedies = chain.from_iterable(trace.advice.split(_OR) for trace in open_traces)
+    advice = _OR.join(dict.fromkeys(remedies))
+    findings = [f"{trace.finding}." for trace in open_traces or traces]
+    return judged(
+        "Smoothed",
+        {"periodic": is_periodic, "few waves": not has_spectrum, "traces": open_traces, "stated": traces},
+        findings=" ".join(findings),
+        first=findings[0] if findings else "",
+        further="".join(f"{finding} " for finding in findings[1:]),
+        advice=f"{advice[:1].upper()}{advice[1:]}.",
+        exponent=window.get("spectrum_exponent"),
+    )
 
 
-def _traces(window: Attributes) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield what an instrument left in a map, and what the user can do; nothing where it is stated."""
-    limit = _removed_below(window)
-    if window["spectrum_exponent"] < SPECTRUM_ENDS:
-        spectrum_end, pixel = window["spectrum_end"], window.get("pixel_pitch", 0.0)
-        length = quantity(spectrum_end, "m", digits=2)
-        pixels = f" ({number(spectrum_end / pixel, digits=2)} pixels)" if pixel else ""
-        sentence = (
-            f"No waves were measured below {length}{pixels}: the spectrum ends there, falling as "
-            f"{_exponent(window)}. A lens, a filter of the instrument's software or interpolation does this; "
-            "of surfaces only one without any shorter waves"
-        )
-        explanation = f"Waves below {length} are missing, as stated"
-        yield (explanation, ()) if spectrum_end <= limit else (sentence, (_UNFILTERED, _RESOLVED))
-    elif window.get("spectrum_bend", 0.0) < BENT:
-        sentence = (
-            "The shortest waves are too low: in its last octave the spectrum falls more steeply than in the "
-            f"one before, its exponent by {number(-window['spectrum_bend'], digits=2)} or more. A lens that "
-            "resolves little more than the pixels does this"
-        )
-        explanation = "The shortest waves are too low, as stated"
-        yield (explanation, ()) if window["pixel_pitch"] <= limit else (sentence, (_RESOLVED,))
+def _traces(window: Attributes) -> Iterator[Check]:
+    """Yield what an instrument left in a map, and what the user can do; passed where it is stated."""
+    limit, pixel = _removed_below(window), window.get("pixel_pitch", 0.0)
+    exponent, bend = window["spectrum_exponent"], window.get("spectrum_bend", 0.0)
+    if exponent < SPECTRUM_ENDS:
+        end = window["spectrum_end"]
+        pixels = f" ({number(end / pixel, digits=2)} pixels)" if pixel else ""
+        cases = {"stated end": end <= limit, "end": True}
+        yield judged("Smoothed", cases, end=end, pixels=pixels, exponent=exponent)
+    elif bend < BENT:
+        yield judged("Smoothed", {"stated bend": pixel <= limit, "bend": True}, bend=-bend)
     if window["rounded_peaks"] > ROUNDED:
         radius = window["sharpest_peak_radius"]
-        rounded_sentence = f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more"
-        sentence = f"{rounded_sentence}, and valleys are sharp: the tip of a stylus or probe does this"
         # half the radius: its estimate from the sharpest peaks is coarse
         is_stated = (Instrument.read(window).tip_radius or 0.0) > radius / 2
-        explanation = "Peaks are rounded, as the stated tip radius says"
-        yield (explanation, ()) if is_stated else (sentence, ("state the tip (instrument.tip_radius)",))
+        yield judged("Smoothed", {"stated tip": is_stated, "tip": True}, radius=radius)
     if window.get("repeated_heights", 0.0) > REPEATED:  # which no setting states
-        filter_sentence = "a median filter does this, and leaves little of waves below about five pixels"
-        yield f"Neighbouring points often have exactly the same height: {filter_sentence}", (_UNFILTERED,)
-
-
-def _exponent(window: Attributes) -> str:
-    """Return the steepest fall of the spectrum in words."""
-    return f"q^{number(window['spectrum_exponent'], digits=2)}"
+        yield judged("Smoothed", {"median filter": True})
 
 
 def _removed_below(window: Attributes) -> float:
@@ -145,56 +119,36 @@ def _removed_below(window: Attributes) -> float:
 
 def isolated_peak(statistics: Statistics, window: Attributes) -> Check:
     """Check that no single summit stands far above all others and carries a pressure far above the mean."""
-    if "summit_chance" not in window:
-        return not_made("the map has no summit.")
+    chance, ratio_to_next = (window.get(f"summit_{name}", np.inf) for name in ("chance", "over_next"))
     # at the load where it is largest: at low loads a summit is alone
     over_mean = float((statistics["max_pressure"] / statistics["mean_contact_pressure"]).max())
-    times = f"{number(over_mean, digits=2)} times the mean in contact"
-    if not (over_mean > PEAK_OVER_MEAN and window["summit_chance"] < CHANCE):
-        return passed(f"The largest pressure is at most {times}, or not that of one summit alone.")
-    ratio_to_next = window["summit_over_next"]
-    higher = f"{number(ratio_to_next, digits=2)} times as high above its surroundings as any other"
-    if np.isinf(ratio_to_next):
-        higher = "and no other summit does"
-    where = " and ".join(f"{axis} = {quantity(window[f'summit_{axis}'], 'm')}" for axis in ("x", "y"))
-    return review(
-        f"One summit stands out, {higher}, at {where}; the largest pressure is {times}.",
-        explanation="Dust and burrs look like this; the largest pressure, and gaps at low loads, are theirs.",
-        advice="Unless it belongs to the surface, clean and measure again, cut the map, or lower "
-        "the threshold of outliers (level.outlier_threshold).",
-    )
+    cases = {
+        "no summit": "summit_chance" not in window,
+        "common": not (over_mean > PEAK_OVER_MEAN and chance < CHANCE),
+        "only one": np.isinf(ratio_to_next),
+    }
+    place = {axis: window.get(f"summit_{axis}") for axis in "xy"}
+    return judged("Isolated peak", cases, over_mean=over_mean, ratio_to_next=ratio_to_next, **place)
 
 
 def noise(window: Attributes) -> Check:
     """Check that noise, `instrument_noise` (m) or a flat spectrum, makes up little of the gradient."""
-    if "noise_floor" not in window:
-        return not_made(_FEW_WAVES)
-    floor, share, explanation = window["noise_floor"], float(window["noise_gradient_share"]), ""
-    stated_noise = (Instrument.read(window).noise or 0.0) if floor > 0 else 0.0
-    if stated_noise:
+    floor, share = (float(window.get(name, 0.0)) for name in ("noise_floor", "noise_gradient_share"))
+    if stated_noise := (Instrument.read(window).noise or 0.0) if floor > 0 else 0.0:
         # the gradient of white noise goes with its rms height
         share *= (stated_noise / floor) ** 2
-        makes_up = f"The stated noise of {quantity(stated_noise, 'm')} makes up"
-        advice = "Average several maps"
-    elif _ends_flat(window):
-        white = f"a white noise of {quantity(floor, 'm', digits=2)} (rms)"
-        makes_up = f"The spectrum is flat at its end, as with {white}, which would make up"
-        explanation = " It may be noise, or waves shorter than the pixel: one map cannot tell."
-        advice = "Measure twice and state the noise (instrument.noise)"
-    else:
-        exponent = number(window["top_exponent"], digits=2)
-        return passed(f"The spectrum falls down to the pixels, as q^{exponent}: no white noise shows.")
-    # that of a floor can exceed the whole
-    text = f"{makes_up} {percent(share) if share < 1 else 'all'} of the mean square gradient"
-    if stated_noise and "corrected_for" in window:
-        return passed(f"{text} as measured, for which the map is corrected.")
-    if share <= NOISE_SHARE:
-        return passed(f"{text}.")
-    # the area goes as 1 / g
+    cases = {
+        "few waves": "noise_floor" not in window,
+        "falls": not (stated_noise or _ends_flat(window)),
+        "corrected": stated_noise and "corrected_for" in window,
+        "small, stated": stated_noise and share <= NOISE_SHARE,
+        "small": share <= NOISE_SHARE,
+        "stated": stated_noise,
+    }
+    # the area goes as 1 / g; the gradient of a floor can exceed the whole
     small = f"by up to {percent(1 - np.sqrt(1 - share))}" if share < 1 else "by an unknown factor"
-    effect = f"Areas would be too small {small}, and pressures too large.{explanation}"
-    advice += ", or remove short waves (level.s_filter)."
-    return review(f"{text}.", explanation=effect, advice=advice)
+    facts = {"share": percent(share) if share < 1 else "all", "small": small, "noise": stated_noise}
+    return judged("Noise", cases, **facts, floor=floor, exponent=window.get("top_exponent"))
 
 
 def suspected_noise(window: Attributes) -> float:
@@ -258,65 +212,43 @@ def quantisation(window: Attributes) -> Check:
     >>> quantisation({"quantisation_step": 2e-8, "Sq": 1e-7}).outcome
     'review'
     """
-    if "quantisation_step" not in window:
-        return not_made("the map was not levelled.")
-    step = float(window["quantisation_step"])
-    if not step:
-        return passed("The heights are not rounded to steps.")
-    text = f"The heights are multiples of {quantity(step, 'm', digits=2)}"
-    rms_height = float(window["Sq"])
-    text += f", {percent(step / rms_height)} of the rms height" if rms_height else ""
-    if not coarse_step(window):
-        return passed(f"{text}.")
-    return review(
-        f"{text}: steps between them add to the gradient, so that areas are too small, and pressures and "
-        "gaps too large.",
-        advice="Export the heights with more digits, or measure with a smaller range of heights.",
-    )
+    step, rms_height = (float(window.get(name, 0.0)) for name in ("quantisation_step", "Sq"))
+    cases = {
+        "unknown": "quantisation_step" not in window,
+        "none": not step,
+        "fine": not coarse_step(window),
+    }
+    of_height = f", {percent(step / rms_height)} of the rms height" if rms_height else ""
+    return judged("Quantisation", cases, step=step, of_height=of_height)
 
 
 def height_unit(height: Attributes, window: Attributes) -> Check:
     """Check that the heights are not smaller than what an instrument can tell from noise."""
-    if window.get("periodisation") == "none":
-        return not_made(_PERIODIC_MAP)
-    if window.get("spectrum_exponent", -np.inf) < SPECTRUM_ENDS:
-        return not_made("the noise of the instrument does not show in a map that is smooth at its pixels.")
-    rough = float(window["pixel_roughness"])
+    rough = float(window.get("pixel_roughness", np.nan))
     # a small pixel tells a probe microscope where the file says nothing
     probe = instrument_kind(height) is PROBE or window.get("pixel_pitch", 1.0) < _PROBE_PIXEL
     quietest, instruments = (QUIETEST_PROBE, "probe microscopes") if probe else (QUIETEST, "profilers")
-    text = f"Neighbouring points differ as with a noise of {quantity(rough, 'm', digits=2)}"
-    if not rough < quietest:
-        return passed(f"{text}: an instrument can measure that.")
-    return review(
-        f"{text}, less than that of the quietest {instruments} ({quantity(quietest, 'm', digits=1)}).",
-        advice="Check the unit of the heights: were µm read as nm?",
-    )
+    cases = {
+        "periodic": window.get("periodisation") == "none",
+        "smooth": window.get("spectrum_exponent", -np.inf) < SPECTRUM_ENDS,
+        "quiet": rough < quietest,
+    }
+    return judged("Height unit", cases, rough=rough, instruments=instruments, quietest=quietest)
 
 
 def pixel_size(height: Attributes, window: Attributes) -> Check:
     """Check that the instrument which the file names can have pixels of this size."""
-    instrument, pixel = instrument_kind(height), float(window.get("pixel_pitch", 0.0))
-    if instrument is UNKNOWN or not pixel:
-        return not_made("the file does not name the kind of its instrument.")
-    subject, words = f"Pixels of {quantity(pixel, 'm', digits=2)} are", instrument.words
+    instrument, pixel, times = instrument_kind(height), window.get("pixel_pitch", 0.0), _magnification(height)
     low, high = instrument.step
-    if not low <= pixel <= high:
-        return review(
-            f"{subject} not those of {words} ({quantity(low, 'm')} to {quantity(high, 'm')}).",
-            advice="Check the lateral unit.",
-        )
-    if times := _magnification(height):
-        # a pixel on the surface is one of the camera, over the magnification
-        camera = pixel * times
-        words += f" with a lens of {number(times, digits=2)}×"
-        if not _CAMERA[0] <= camera <= _CAMERA[1]:
-            on_camera = quantity(camera, "m", digits=2)
-            return review(
-                f"{subject} not those of {words}: they would be {on_camera} on its camera.",
-                advice="Check the lateral unit, and whether the map was resampled.",
-            )
-    return passed(f"{subject} those of {words}.")
+    camera = pixel * times  # a pixel on the surface is one of the camera, over the magnification
+    cases = {
+        "unknown": instrument is UNKNOWN or not pixel,
+        "unusual": not low <= pixel <= high,
+        "camera": times and not _CAMERA[0] <= camera <= _CAMERA[1],
+        "lens": times,
+    }
+    facts = {"kind": instrument.words, "low": low, "high": high, "times": times, "camera": camera}
+    return judged("Pixel size", cases, pixel=pixel, **facts)
 
 
 def instrument_kind(height: Attributes) -> Kind:

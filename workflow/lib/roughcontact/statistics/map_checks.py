@@ -13,7 +13,7 @@ from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.lays import lay_facts
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
-from roughcontact.statistics.outcome import Check, failed, not_made, noted, passed, review
+from roughcontact.statistics.outcome import Check, judged
 from roughcontact.statistics.selected_loads import Statistics
 from roughcontact.surface.levelling.record import rejected_by_kind
 
@@ -43,20 +43,17 @@ def missing_points(statistics: Statistics, height: Attributes, attrs: Attributes
     """Check that hardly any contact lies on points that were not measured."""
     missing, fill = height.get("missing_share", 0.0), attrs.get("filled_share", 0.0)
     removals = attrs.get("outliers_rejected", 0)
-    if not (missing or removals or fill):
-        return passed("Every point was measured.")
     in_contact = float(statistics["contact_on_filled_points"].max())
     doubtful, wrong = FILLED_IN_CONTACT
-    coverage = f"{percent(missing)} of the points were not" if missing else "Every point was"
-    points = f"{coverage} measured; {removals} were rejected as outliers; {percent(fill)} were filled in"
-    if not in_contact > doubtful:  # false also of NaN
-        return passed(f"{points}, and at most {percent(in_contact)} of the contact lies on them.")
-    return (failed if in_contact > wrong else review)(
-        f"Up to {percent(in_contact)} of the contact lies on points that were filled in: "
-        f"{points[0].lower()}{points[1:]}.",
-        explanation="The contact there is that of the filling, not of the surface.",
-        advice="Measure these places again.",
-    )
+    cases = {
+        "all measured": not (missing or removals or fill),
+        "many": in_contact > wrong,
+        "some": in_contact > doubtful,
+        "few of all measured": not missing,
+    }
+    facts = {"missing": missing, "removals": removals, "fill": fill, "in_contact": in_contact}
+    measured = f"{percent(missing)} of the points were not" if missing else "every point was"
+    return judged("Missing points", cases, measured=measured, **facts)
 
 
 def outliers(statistics: Statistics, attrs: Attributes) -> Check:
@@ -69,55 +66,39 @@ def outliers(statistics: Statistics, attrs: Attributes) -> Check:
     >>> outliers(shares, {"outliers_rejected": 138, "outlier_kinds": '{"spike": 138}'}).outcome
     'review'
     """
-    removals = attrs.get("outliers_rejected", 0)
-    if not removals:
-        return passed("No point was rejected.")
+    removals, kinds = attrs.get("outliers_rejected", 0), rejected_by_kind(attrs)
+    # levelled without keeping the rejected heights it is not known
+    shares = np.asarray(statistics.get("rejected_load_share", np.nan))
+    share = float(np.fmax.reduce(shares, axis=None))  # of the load with the largest share
+    cases = {"none": not removals, "unknown": np.isnan(share), "carry": share > REJECTED_LOAD}
     they, was, noun, lie, are = "they", "were", "outliers", "they lie", "they are errors"
     if removals == 1:
         they, was, noun, lie, are = "it", "was", "an outlier", "it lies", "it is an error"
-    kinds = rejected_by_kind(attrs)
-    text = f"{counted_noun(removals, 'point')} {was} rejected as {noun}" + (f" ({kinds})" if kinds else "")
-    shares = statistics["rejected_load_share"].values if "rejected_load_share" in statistics else np.nan
-    if np.isnan(shares).all():  # levelled without keeping the rejected heights
-        return review(f"{text}. The load that {they} would carry if {they} were kept is not known.")
-    share = float(np.nanmax(shares))  # of the load with the largest share
-    text += f"; if {they} were kept, {they} would carry {percent(share)} of the load"
-    text += " at most" if statistics.sizes["load"] > 1 else ""
-    if share <= REJECTED_LOAD:
-        return passed(f"{text}.")
-    return review(
-        f"{text}: the result depends on whether {are} of the measurement.",
-        advice=f"See where {lie}, or keep every point (level.outlier_threshold: none).",
-    )
+    noun += f" ({kinds})" if kinds else ""
+    most = " at most" if statistics.sizes["load"] > 1 else ""
+    facts = {"points": counted_noun(removals, "point"), "share": share, "most": most}
+    return judged("Outliers", cases, they=they, was=was, noun=noun, lie=lie, are=are, **facts)
 
 
 def scan_lines(attrs: Attributes, statistics: Statistics | None = None) -> Check:
     """Check that rows are not shifted against one another, which a lay along them hides, or were aligned."""
-    jitter, evidence = percent(attrs.get("row_jitter", 0.0)), attrs.get("row_jitter_evidence", "none")
-    alignment = attrs.get("line_alignment", "none")
-    if evidence == "none":
-        finding = "No random shift of the rows against one another was found."
-        if statistics is not None and _lay_along_rows(statistics):
-            finding += (
-                " The lay runs along the rows: beside grooves a few rows wide small shifts would not show."
-            )
-        return passed(finding)
-    text = f"The rows are shifted against one another, by {jitter} of the rms height (rms)"
+    jitter, evidence = attrs.get("row_jitter", 0.0), attrs.get("row_jitter_evidence", "none")
+    alignment, by_user = attrs.get("line_alignment", "none"), attrs.get("line_alignment_by") == "user"
+    is_found, is_aligned, is_small = evidence != "none", alignment != "none", jitter <= ROW_JITTER
+    shift = f"are shifted against one another, by {percent(jitter)} of the rms height (rms)"
     if evidence == "doubtful":
-        text = f"The rows share shifts of {jitter} of the rms height (rms)"
-        text += ", which may be drift of the scanner or a lay along the rows"
-    is_aligned, by_user = alignment != "none", attrs.get("line_alignment_by") == "user"
-    if is_aligned:
-        text += f"; they were aligned {'as asked ' if by_user else ''}({alignment})"
-    # what the user asked for is no finding
-    if (is_aligned and by_user) or attrs.get("row_jitter", 0.0) <= ROW_JITTER:
-        return passed(f"{text}.")
-    if not is_aligned:
-        return review(
-            f"{text}: it may carry much of the load.",
-            advice="Compare with every row aligned (level.line_alignment: jitter).",
-        )
-    return review(f"{text}.", advice="Compare without that (level.line_alignment: none).")
+        shift = f"share shifts of {percent(jitter)} of the rms height (rms)"
+        shift += ", which may be drift of the scanner or a lay along the rows"
+    cases = {
+        "none, lay along rows": not is_found and statistics is not None and _lay_along_rows(statistics),
+        "none": not is_found,
+        # what the user asked for is no finding
+        "aligned as asked": is_aligned and by_user,
+        "small, aligned": is_small and is_aligned,
+        "small": is_small,
+        "aligned": is_aligned,
+    }
+    return judged("Scan lines", cases, shift=shift, alignment=alignment)
 
 
 def _lay_along_rows(statistics: Statistics) -> bool:
@@ -139,19 +120,9 @@ def form(attrs: Attributes, window: Attributes) -> Check | None:
     is_added = kind.adds_form(window)
     if kind.form_is_meant and not is_added:
         return None
-    text = f"A bow (second-order polynomial) makes up {percent(share)} of the mean square height"
-    text += " of the window"
-    if share <= FORM:
-        return passed(f"{text}.")
-    if is_added:
-        return review(
-            f"{text}, and the radius of the form adds another: what is in the map already counts twice.",
-            advice="Leave the radius out (form.radius), or subtract the form (level.form: polynomial).",
-        )
-    remedy = "Remove it (level.form: polynomial), unless it belongs to the contact."
-    if attrs.get("form") in ("polynomial", "sphere", "cylinder"):
-        remedy = "Compare another way to make it periodic (window.method): it came with this one."
-    return review(f"{text}: form, not roughness, decides where the surfaces touch.", advice=remedy)
+    is_fitted = attrs.get("form") in ("polynomial", "sphere", "cylinder")
+    cases = {"small": share <= FORM, "counted twice": is_added, "came back": is_fitted}
+    return judged("Form", cases, share=share)
 
 
 def periodicity(window: Attributes) -> Check:
@@ -162,27 +133,16 @@ def periodicity(window: Attributes) -> Check:
     >>> periodicity({"periodisation": "none"}).sentence
     'The window was periodic already: nothing was changed.'
     """
-    method = window.get("periodisation", "none")
-    if method == "none":
-        return passed("The window was periodic already: nothing was changed.")
-    gradient_before, gradient_after = window["rms_gradient_before"], window["rms_gradient_after"]
+    before, after = (window.get(f"rms_gradient_{when}", 0.0) for when in ("before", "after"))
     # a correction, and waves removed afterwards, on request, are not due to periodisation
     removed_gradient = window.get("band_removed_rms_gradient", 0.0)
-    gradient_after = float(window.get("rms_gradient_uncorrected", np.hypot(gradient_after, removed_gradient)))
-    change = gradient_after / gradient_before - 1 if gradient_before > 0 else 0.0
+    after = float(window.get("rms_gradient_uncorrected", np.hypot(after, removed_gradient)))
+    change = after / before - 1 if before > 0 else 0.0
     relative = window.get("periodisation_relative_change", 0.0)
-    text = f"Making the window periodic ({method}) changed the heights by {percent(relative)} of their rms"
-    text += f" and the rms gradient by {percent(change)}."
-    effects = []
-    if abs(change) > GRADIENT_CHANGE:
-        effects.append("Peak pressures follow the gradient.")
-    if relative > HEIGHT_CHANGE:
-        effects.append("Opposite edges do not match, and joining them moved the contact.")
-    if not effects:
-        return passed(text)
-    return review(
-        text, explanation=" ".join(effects), advice="Compare another way to make it periodic (window.method)."
-    )
+    method = window.get("periodisation", "none")
+    steeper, moved = abs(change) > GRADIENT_CHANGE, relative > HEIGHT_CHANGE
+    cases = {"periodic": method == "none", "both": steeper and moved, "gradient": steeper, "heights": moved}
+    return judged("Periodic window", cases, method=method, relative=relative, change=change)
 
 
 def window_share(window: Attributes) -> Check:
@@ -194,10 +154,7 @@ def window_share(window: Attributes) -> Check:
     'The solved window covers 81.0 % of the measured map.'
     """
     share = window.get("window_share", 1.0)
-    text = f"The solved window covers {percent(share)} of the measured map."
-    if not share < WINDOW_SHARE:  # false also of NaN
-        return passed(text)
-    return review(text, explanation="The rest was cropped away.", advice="See the frame on the levelled map.")
+    return judged("Window", {"cropped": share < WINDOW_SHARE}, share=share)
 
 
 def faces(attrs: Attributes, window: Attributes) -> Check | None:
@@ -215,41 +172,23 @@ def faces(attrs: Attributes, window: Attributes) -> Check | None:
         return None
     pitches, share = attrs["face_pitches"], float(attrs["covered_share_of_larger"])
     ratio, limit = max(pitches) / min(pitches), 2 * max(pitches)
-    pixels = "The faces have pixels of " + " and ".join(quantity(float(pitch), "m") for pitch in pitches)
     # waves shorter than the coarser face resolves are not solved: nothing is missing
-    if ratio > FACE_PITCHES[0] and window.get("band_shortest", 0.0) < limit * (1 - 1e-6):
-        # half of the mean square gradient is that of the coarser face
-        too_large = percent(float(np.sqrt(2 / (1 + ratio**-0.4))) - 1)
-        return (failed if ratio > FACE_PITCHES[1] else review)(
-            f"{pixels}: the coarser one has no wave shorter than {quantity(limit, 'm')}, so that areas are "
-            f"{too_large} or more too large if both are equally rough.",
-            advice="Check the unit of dx and dy, measure both alike, or solve the waves of both "
-            f"(window.shortest_wavelength: {quantity(limit, 'm')}).",
-        )
-    if share < FACE_SHARE:
-        return review(
-            f"Only {percent(share)} of the larger face is solved, as far as the smaller one reaches: longer "
-            "waves, which make gaps larger, are missing.",
-            advice="Check the unit of dx and dy, or measure more of it.",
-        )
-    return passed(f"{pixels}, and {percent(share)} of the larger one is solved.")
+    are_missing = window.get("band_shortest", 0.0) < limit * (1 - 1e-6)
+    too_coarse, far_too_coarse = (ratio > limit_of_ratio and are_missing for limit_of_ratio in FACE_PITCHES)
+    # half of the mean square gradient is that of the coarser face
+    too_large = np.sqrt(2 / (1 + ratio**-0.4)) - 1
+    pixels = " and ".join(quantity(float(pitch), "m") for pitch in pitches)
+    cases = {"far too coarse": far_too_coarse, "too coarse": too_coarse, "too small": share < FACE_SHARE}
+    return judged("Faces", cases, pixels=pixels, limit=limit, too_large=too_large, share=share)
 
 
 def longest_wave(statistics: Statistics) -> Check:
     """Check that the window holds the longest waves of the surface."""
     length = float(statistics["Sal"])
-    if np.isnan(length):
-        return passed("The map is flat: there is no wave.")
     # a profile has a length alone
     side = float(np.nanmin([float(statistics[f"window_length_{axis}"]) for axis in "xy"]))
-    text = f"The window is {number(side / length, digits=2)} autocorrelation lengths (Sal) long"
-    if not side < LENGTHS * length:
-        return passed(f"{text}: it holds the longest waves.")
-    return review(
-        f"{text}: it is shorter than the longest waves of the surface, and another window would give other "
-        "numbers.",
-        advice="Measure a larger field, or remove long waves (level.l_filter).",
-    )
+    cases = {"flat": np.isnan(length), "short": side < LENGTHS * length}
+    return judged("Longest wave", cases, lengths=side / length)
 
 
 def sample(statistics: Statistics) -> Check:
@@ -261,33 +200,28 @@ def sample(statistics: Statistics) -> Check:
     >>> sample(xr.Dataset(attrs={"window_flag": "The map is too small."})).outcome
     'review'
     """
-    if "window_flag" not in statistics.attrs:
-        return not_made("the surface beyond the map is not in the error budget (uncertainty.sources).")
-    if flag := statistics.attrs["window_flag"]:
-        advice = statistics.attrs.get("window_advice", "")
-        return review(flag.removesuffix(advice).rstrip(), advice=advice)
-    return passed("The map gives no sign that the surface beyond it differs: see the sources of the ±.")
+    flag, advice = (statistics.attrs.get(f"window_{name}") for name in ("flag", "advice"))
+    cases = {"not in the budget": flag is None, "flagged": flag}
+    finding = (flag or "").removesuffix(advice or "").rstrip()
+    return judged("Sample", cases, finding=finding, advice=advice or "")
 
 
 def lay(statistics: Statistics, window: Attributes) -> Check | None:
     """Check that it is stated of a profile whether it is one of ridges or of an isotropic surface."""
-    if warnings := json_attribute(window, "profile_warnings"):
-        return review(" ".join(warnings))
-    if finding := lay_facts(window).finding:
-        return passed(finding.format(stretch=number(window.get("stretch", 1.0))))
+    warnings, statement = json_attribute(window, "profile_warnings"), lay_facts(window).finding
     # a map has both lengths, and needs no statement
-    if not np.isnan([statistics[f"window_length_{axis}"] for axis in "xy"]).any():
+    is_stated = bool(warnings or statement)
+    if not is_stated and not np.isnan([statistics[f"window_length_{axis}"] for axis in "xy"]).any():
         return None
-    areas = ""
-    if "relative_contact_area_if_isotropic" in statistics:
-        ridges = ", ".join(map(percent, statistics["relative_contact_area"].values))
-        isotropic = ", ".join(map(percent, statistics["relative_contact_area_if_isotropic"].values))
-        areas = f"Contact area of endless ridges, as shown: {ridges}; of an isotropic surface: {isotropic}."
-    return review(
-        "Nothing states the lay of the profile.",
-        explanation=areas,
-        advice="State lay = across (turned, ground: ridges) or lay = none (blasted, etched, lapped: "
-        "isotropic).",
+    has_both = not is_stated and "relative_contact_area_if_isotropic" in statistics
+    names = ("relative_contact_area", "relative_contact_area_if_isotropic") if has_both else ()
+    areas = [", ".join(map(percent, statistics[name].values)) for name in names]
+    return judged(
+        "Lay",
+        {"warnings": warnings, "statement": statement, "both areas": has_both},
+        warnings=" ".join(warnings),
+        statement=statement.format(stretch=number(window.get("stretch", 1.0))),
+        areas=areas,
     )
 
 
@@ -302,15 +236,8 @@ def band(window: Attributes) -> Check:
     """
     shortest, reliable = (window.get(name, 0.0) for name in ("band_shortest", "reliable_wavelength"))
     reason = window.get("reliable_reason", "two pixels")
-    if reason == "two pixels":
-        return not_made("the file does not say which waves the instrument resolves (its numerical aperture).")
-    if shortest >= reliable * (1 - 1e-6):
-        return passed("No wave is solved that the instrument is known not to resolve.")
-    return review(
-        f"Waves down to {quantity(shortest, 'm')} are solved; {reason} resolves {quantity(reliable, 'm')}.",
-        explanation="Shorter waves are partly noise, and peaks are partly smoothed.",
-        advice="Compare without the doubtful waves (window.reliable_band).",
-    )
+    cases = {"unknown": reason == "two pixels", "reliable": shortest >= reliable * (1 - 1e-6)}
+    return judged("Band", cases, shortest=shortest, reason=reason, reliable=reliable)
 
 
 def slope(statistics: Statistics) -> Check:
@@ -322,19 +249,13 @@ def slope(statistics: Statistics) -> Check:
     >>> slope(xr.Dataset({"rms_gradient": 0.12})).sentence
     'The rms gradient is 0.120: small, as the half-space theory assumes.'
     """
-    gradient = float(statistics["rms_gradient"])
-    text = f"The rms gradient is {number(gradient)}"
-    approximate, rough = STEEP
-    if gradient > MAX_GRADIENT:
-        return failed(
-            f"{text}: no rough surface is so steep.", advice="Check the units of heights and steps."
-        )
-    if gradient > approximate:
-        return (review if gradient > rough else noted)(
-            f"{text}: steep for a theory of small slopes, an error of the model that the ± leaves out.",
-            advice="Treat the numbers as estimates.",
-        )
-    return passed(f"{text}: small, as the half-space theory assumes.")
+    gradient, (approximate, rough) = float(statistics["rms_gradient"]), STEEP
+    cases = {
+        "impossible": gradient > MAX_GRADIENT,
+        "rough": gradient > rough,
+        "approximate": gradient > approximate,
+    }
+    return judged("Slopes", cases, gradient=gradient)
 
 
 def steep_places(window: Attributes) -> Check:
@@ -345,26 +266,16 @@ def steep_places(window: Attributes) -> Check:
     >>> steep_places({"steepest_share": 0.08}).sentence
     'The steepest 1 % of the points make up 8.00 % of the mean square gradient.'
     """
-    share = window.get("steepest_share", 0.0)
-    text = f"The steepest 1 % of the points make up {percent(share)} of the mean square gradient"
-    if share <= STEEP_PLACES:
-        return passed(f"{text}.")
-    spikes = "Remove spikes by a lower threshold (level.outlier_threshold)."
-    if threshold := window.get("outlier_threshold"):
-        spikes = f"Spikes beyond {number(threshold, digits=2)} standard deviations are removed already."
-    return noted(
-        f"{text}: steps, defects or dust.",
-        explanation="A load relative to the gradient is high for the rest of the surface.",
-        advice=f"Give loads as mean_pressure. {spikes}",
-    )
+    share, threshold = window.get("steepest_share", 0.0), window.get("outlier_threshold")
+    cases = {"few": share <= STEEP_PLACES, "without spikes": threshold}
+    return judged("Steep places", cases, share=share, threshold=threshold)
 
 
 def reading(height: Attributes, attrs: Attributes) -> Check:
     """Check that the file was read without a warning; what the user asked for is a note."""
-    if not (warnings := json_attribute(height, "ingest_warnings")):
-        return passed("Read without a warning.")
+    warnings = json_attribute(height, "ingest_warnings")
     # the same sentences, with what levelling did about them: the check of the outliers judges them
-    spikes = json_attribute(height, "ingest_spikes") if attrs.get("outlier_threshold") else {}
+    spikes = json_attribute(height, "ingest_spikes") if warnings and attrs.get("outlier_threshold") else {}
     findings = dict(zip(warnings, warnings, strict=True)) | spikes
     if spikes:
         success = "and removed" if attrs.get("outliers_rejected") else "in vain: none was removed"
@@ -375,4 +286,5 @@ def reading(height: Attributes, attrs: Attributes) -> Check:
         for finding in findings.values()
     )
     facts = {*json_attribute(height, "ingest_facts"), *spikes}
-    return (noted if facts.issuperset(warnings) else review)(text)
+    cases = {"nothing": not warnings, "facts": facts.issuperset(warnings)}
+    return judged("Reading the file", cases, text=text)

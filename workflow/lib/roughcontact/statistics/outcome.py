@@ -1,16 +1,23 @@
-"""Outcome of a check (passed, note, review, failed or not made), its sentences, the worst of several."""
+"""Outcome of a check (passed, note, review, failed or not made), its sentences, the worst of several.
+
+The outcomes of each check and their sentences are the rows of `checks.tsv`.
+"""
 
 import re
+import string
 import textwrap
-from collections.abc import Iterable
-from functools import partial
-from typing import NamedTuple
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
 from roughcontact.arguments.answers import ANSWERS
+from roughcontact.arguments.quantities import percent, quantity
+from roughcontact.arguments.rows import rows_beside
 
 PASSED, REVIEW, FAILED = "passed", "review", "failed"
 NOTE = "note"  # worth knowing, but in the interval or in what was asked for; it does not affect the verdict
 NOT_MADE = "not made"  # for lack of data; it does not affect the verdict
+_PART = "part"  # of sentences, in the column of outcomes
 _ELLIPSIS = " …"
 _MAX_SENTENCE_LENGTH = 200  # letters, in a list
 VERDICTS = {PASSED: "use", REVIEW: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
@@ -41,13 +48,61 @@ class Check(NamedTuple):
         return " ".join(filter(None, (self.finding, self.explanation, self.advice)))
 
 
-# a check by its outcome; `surface_checks` gives it its name, and the answers that it concerns
-passed, noted, review, failed = (partial(Check, "", outcome) for outcome in (PASSED, NOTE, REVIEW, FAILED))
+class _Sentence(string.Formatter):
+    """Template of a sentence, with numbers as {share:%}, {length:m}, {ratio:2}: in a unit, of some digits."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        """Return a fact as sentences have it; three digits where none are stated."""
+        match = re.fullmatch(r"(\d?) ?(%|m|N|Pa|Pa s)?", format_spec)
+        if not match or not format_spec:
+            return super().format_field(value, format_spec)
+        digits, unit = int(match[1] or 3), match[2] or "1"
+        number = float(value)
+        return percent(number, digits=digits) if unit == "%" else quantity(number, unit, digits=digits)
 
 
-def not_made(reason: str, *, advice: str = "") -> Check:
-    """Return a check that could not be made, for a reason."""
-    return Check("", NOT_MADE, f"Not made: {reason}", advice=advice)
+def _sentences() -> dict[str, dict[str, list[str]]]:
+    """Return outcome, finding, explanation and advice by check and case; parts of sentences are in place."""
+    checks: dict[str, dict[str, list[str]]] = defaultdict(dict)
+    parts: dict[str, dict[str, str]] = defaultdict(dict)
+    for check, case, *row in rows_beside(__file__, "checks.tsv"):
+        for part, text in parts[check].items():
+            row = [cell.replace(f"{{{part}}}", text) for cell in row]  # noqa: PLW2901
+        if row[0] == _PART:
+            parts[check][case] = row[1]
+        else:
+            checks[check][case] = row
+    return checks
+
+
+_SENTENCES = _sentences()
+
+
+def judged(name: str, cases: Mapping[str, object], /, **facts: Any) -> Check:
+    """Return a check by the first of its `cases` in `checks.tsv` that holds, "" where none does.
+
+    Parameters
+    ----------
+    name : str
+        of the check.
+    cases : mapping
+        of the check, the gravest first, each with what is true where it holds.
+    **facts
+        what the sentences name.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> judged("Window", {"cropped": False}, share=0.81).sentence
+    'The solved window covers 81.0 % of the measured map.'
+    """
+    case = next((case for case, holds in cases.items() if holds), "")
+    outcome, *sentences = _SENTENCES[name][case]
+    finding, explanation, advice, *_ = (_Sentence().vformat(text, (), facts) for text in [*sentences, "", ""])
+    return Check(name, outcome, finding, explanation=explanation, advice=advice)
 
 
 def worst_result(checks: Iterable[Check], *answers: str) -> str:
