@@ -11,10 +11,10 @@ import xarray as xr
 
 import roughcontact as rc
 from roughcontact.arguments import materials
+from roughcontact.arguments.answers import ANSWERS
 from roughcontact.statistics import checks, contact_checks, instrument_checks, map_checks, outcome
 from roughcontact.statistics.outcome import (
     FAILED,
-    IMPORTANCE,
     NOT_MADE,
     NOTE,
     PASSED,
@@ -45,11 +45,10 @@ def test_the_table_of_checks_has_each_case_of_the_code_and_no_more():
                 ]
                 literal = [node.args[1]] if isinstance(node.args[1], ast.Dict) else dictionaries
                 cases[node.args[0].value] |= {key.value for each in literal for key in each.keys}
-    assert {name: {*rows} - {""} for name, rows in outcome._SENTENCES.items()} == cases
-    assert {*cases} == {*IMPORTANCE}
-    rows = [row for rows in outcome._SENTENCES.values() for row in rows.values()]
-    assert {row[0] for row in rows} == {PASSED, NOTE, REVIEW, FAILED, NOT_MADE}
-    assert max(map(len, rows)) == 4  # finding, explanation, advice
+    assert {name: {*rows} - {""} for name, rows in outcome._CASES.items()} == cases
+    rows = [row for rows in outcome._CASES.values() for row in rows.values()]
+    assert {row.outcome for row in rows} == {PASSED, NOTE, REVIEW, FAILED, NOT_MADE}
+    assert {answer for row in rows for answer in row.answers} == {*ANSWERS}
 
 
 def test_a_doubt_of_the_modulus_without_another_unit_ends_its_sentence():

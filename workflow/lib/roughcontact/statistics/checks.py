@@ -23,14 +23,6 @@ from roughcontact.statistics.map_checks import FILLED_IN_CONTACT, REJECTED_LOAD,
 from roughcontact.statistics.outcome import Check
 from roughcontact.statistics.selected_loads import SelectedLoads, Statistics
 
-# what a check puts in doubt, where that is not every answer
-_SHORT_WAVES = ("relative_contact_area", "mean_contact_pressure", "yield", "max_pressure", "conductance")
-_CONCERNS: dict[str, tuple[str, ...]] = {
-    "Noise": _SHORT_WAVES,
-    "Isolated peak": ("mean_gap", "sealing", "yield", "max_pressure"),
-    "Sample": ("mean_gap", "sealing"),
-    "Mean free path": ("conductance",),
-}
 # warnings that told nothing of where results of measured maps lie outside their intervals
 _NOTES = ("Resolution", "Missing points", "Outliers")
 # source of the interval -> warnings of what it evaluates
@@ -73,43 +65,43 @@ def surface_checks(
     """
     # the table of surfaces prevails over the settings
     window = {**Instrument.read(statistics.attrs).attributes(), **window}
-    checks: dict[str, Check | None] = {
-        "Units": contact_checks.units(statistics),
-        "Solver": contact_checks.convergence(statistics),
-        "Points in contact": contact_checks.contact_points(statistics, points),
-        "Resolution": contact_checks.resolution(statistics),
-        "Layers": contact_checks.layers(statistics, points),
-        "Mean free path": contact_checks.mean_free_path(statistics),
-        "Local scale": contact_checks.local_scale(statistics),
-        "Fluid": contact_checks.fluid(statistics),
-        "Smoothed": instrument_checks.smoothed(window),
-        "Noise": instrument_checks.noise(window),
-        "Quantisation": instrument_checks.quantisation(window),
-        "Isolated peak": instrument_checks.isolated_peak(statistics, window),
-        "Missing points": map_checks.missing_points(statistics, height, levelled),
-        "Outliers": map_checks.outliers(statistics, levelled),
-        "Scan lines": map_checks.scan_lines(levelled, statistics),
-        "Form": map_checks.form(levelled, window),
-        "Periodic window": map_checks.periodicity(window),
-        "Window": map_checks.window_share(window),
-        "Faces": map_checks.faces(levelled, window),
-        "Longest wave": map_checks.longest_wave(statistics),
-        "Sample": map_checks.sample(statistics),
-        "Lay": map_checks.lay(statistics, window),
-        "Band": map_checks.band(window),
-        "Plasticity": contact_checks.plasticity(statistics),
-        "Load range": contact_checks.load_range(statistics),
-        "Slopes": map_checks.slope(statistics),
-        "Steep places": map_checks.steep_places(window),
-        "Height unit": instrument_checks.height_unit(height, window),
-        "Pixel size": instrument_checks.pixel_size(height, window),
-        "Reading the file": map_checks.reading(height, levelled),
-    }
+    checks = (
+        contact_checks.units(statistics),
+        contact_checks.convergence(statistics),
+        contact_checks.contact_points(statistics, points),
+        contact_checks.resolution(statistics),
+        contact_checks.layers(statistics, points),
+        contact_checks.mean_free_path(statistics),
+        contact_checks.local_scale(statistics),
+        contact_checks.fluid(statistics),
+        instrument_checks.smoothed(window),
+        instrument_checks.noise(window),
+        instrument_checks.quantisation(window),
+        instrument_checks.isolated_peak(statistics, window),
+        map_checks.missing_points(statistics, height, levelled),
+        map_checks.outliers(statistics, levelled),
+        map_checks.scan_lines(levelled, statistics),
+        map_checks.form(levelled, window),
+        map_checks.periodicity(window),
+        map_checks.window_share(window),
+        map_checks.faces(levelled, window),
+        map_checks.longest_wave(statistics),
+        map_checks.sample(statistics),
+        map_checks.lay(statistics, window),
+        map_checks.band(window),
+        contact_checks.plasticity(statistics),
+        contact_checks.load_range(statistics),
+        map_checks.slope(statistics),
+        map_checks.steep_places(window),
+        instrument_checks.height_unit(height, window),
+        instrument_checks.pixel_size(height, window),
+        map_checks.reading(height, levelled),
+    )
     omitted = _OMITTED.get(facts_of(statistics.attrs).name, ())
     return [
-        _noted(check._replace(name=name, answers=_CONCERNS.get(name, check.answers)), statistics, window)
-        for name, check in checks.items()
-        if check is not None and name not in omitted
+        _noted(check, statistics, window)
+        for check in checks
+        if check is not None and check.name not in omitted
     ]
 
 

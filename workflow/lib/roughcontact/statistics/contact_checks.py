@@ -15,7 +15,7 @@ from roughcontact.contact.dataset import recorded_medium
 from roughcontact.statistics.conductance import knudsen_resistance_ratio
 from roughcontact.statistics.decisions import is_lifted
 from roughcontact.statistics.kinds import load_in_words, unit_of_pressures
-from roughcontact.statistics.outcome import REVIEW, Check, judged
+from roughcontact.statistics.outcome import Check, judged
 from roughcontact.statistics.sealing.gas import MIN_INVERSE_KNUDSEN, path_at_mean_pressure
 from roughcontact.statistics.selected_loads import Statistics
 
@@ -328,10 +328,7 @@ def fluid(statistics: Statistics) -> Check | None:
         "viscosity of a gas": viscosity < _GAS,
     }
     facts = {"pressure": pressure, "viscosity": viscosity, "knudsen": knudsen}
-    check = judged("Fluid", cases, **facts, lifted=lifts.sum(), loads=lifts.size)
-    # what is not known of a flow concerns the leak alone
-    is_of_flow = check.outcome == REVIEW and not lifts.any()
-    return check._replace(answers=("sealing",)) if is_of_flow else check
+    return judged("Fluid", cases, **facts, lifted=lifts.sum(), loads=lifts.size)
 
 
 def load_range(statistics: Statistics) -> Check:

@@ -17,19 +17,10 @@ from roughcontact.arguments.rows import rows_beside
 PASSED, REVIEW, FAILED = "passed", "review", "failed"
 NOTE = "note"  # worth knowing, but in the interval or in what was asked for; it does not affect the verdict
 NOT_MADE = "not made"  # for lack of data; it does not affect the verdict
-_PART = "part"  # of sentences, in the column of outcomes
+_PART, _CONCERNS = "part", "concerns"  # of sentences, and answers, in the column of outcomes
 _ELLIPSIS = " …"
 _MAX_SENTENCE_LENGTH = 200  # letters, in a list
 VERDICTS = {PASSED: "use", REVIEW: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
-
-
-# names of the checks, by importance: errors of the map come before limits of the material
-IMPORTANCE = (
-    *("Units", "Height unit", "Pixel size", "Fluid", "Faces", "Lay", "Solver", "Outliers", "Isolated peak"),
-    *("Missing points", "Slopes", "Steep places", "Points in contact", "Smoothed", "Noise", "Quantisation"),
-    *("Resolution", "Scan lines", "Form", "Periodic window", "Longest wave", "Sample", "Band", "Window"),
-    *("Layers", "Local scale", "Mean free path", "Plasticity", "Load range", "Reading the file"),
-)
 
 
 class Check(NamedTuple):
@@ -61,21 +52,40 @@ class _Sentence(string.Formatter):
         return percent(number, digits=digits) if unit == "%" else quantity(number, unit, digits=digits)
 
 
-def _sentences() -> dict[str, dict[str, list[str]]]:
-    """Return outcome, finding, explanation and advice by check and case; parts of sentences are in place."""
-    checks: dict[str, dict[str, list[str]]] = defaultdict(dict)
+class _Case(NamedTuple):
+    """One row of `checks.tsv`: the outcome of a check in a case, what it concerns, and its sentences."""
+
+    outcome: str
+    answers: tuple[str, ...]
+    finding: str
+    explanation: str = ""
+    advice: str = ""
+
+
+def _cases() -> dict[str, dict[str, _Case]]:
+    """Return the cases of each check by name, with all parts of their sentences."""
+    checks: dict[str, dict[str, _Case]] = defaultdict(dict)
     parts: dict[str, dict[str, str]] = defaultdict(dict)
-    for check, case, *row in rows_beside(__file__, "checks.tsv"):
-        for part, text in parts[check].items():
-            row = [cell.replace(f"{{{part}}}", text) for cell in row]  # noqa: PLW2901
-        if row[0] == _PART:
-            parts[check][case] = row[1]
+    answers: dict[str, tuple[str, ...]] = {}
+    for check, case, outcome, *sentences in rows_beside(__file__, "checks.tsv"):
+        finding, *further = (_with_parts(sentence, parts[check]) for sentence in sentences)
+        if outcome == _PART:
+            parts[check][case] = finding
+        elif outcome == _CONCERNS:
+            answers[check] = tuple(finding.split())
         else:
-            checks[check][case] = row
+            checks[check][case] = _Case(outcome, answers.get(check, tuple(ANSWERS)), finding, *further)
     return checks
 
 
-_SENTENCES = _sentences()
+def _with_parts(sentence: str, parts: Mapping[str, str]) -> str:
+    """Return a sentence with its parts in place of their names in braces."""
+    for name, text in parts.items():
+        sentence = sentence.replace(f"{{{name}}}", text)
+    return sentence
+
+
+_CASES = _cases()
 
 
 def judged(name: str, cases: Mapping[str, object], /, **facts: Any) -> Check:
@@ -100,9 +110,9 @@ def judged(name: str, cases: Mapping[str, object], /, **facts: Any) -> Check:
     'The solved window covers 81.0 % of the measured map.'
     """
     case = next((case for case, holds in cases.items() if holds), "")
-    outcome, *sentences = _SENTENCES[name][case]
-    finding, explanation, advice, *_ = (_Sentence().vformat(text, (), facts) for text in [*sentences, "", ""])
-    return Check(name, outcome, finding, explanation=explanation, advice=advice)
+    outcome, answers, *sentences = _CASES[name][case]
+    finding, *further = (_Sentence().vformat(sentence, (), facts) for sentence in sentences)
+    return Check(name, outcome, finding, answers, *further)
 
 
 def worst_result(checks: Iterable[Check], *answers: str) -> str:
@@ -124,7 +134,7 @@ def not_passed(checks: Iterable[Check]) -> list[Check]:
 
 
 def sort_by_importance(checks: Iterable[Check]) -> list[Check]:
-    """Return warnings and failed checks, failed ones first, each in the order of `IMPORTANCE`.
+    """Return warnings and failed checks, failed ones first, each in the order of `checks.tsv`.
 
     Examples
     --------
@@ -132,7 +142,8 @@ def sort_by_importance(checks: Iterable[Check]) -> list[Check]:
     >>> [check.name for check in sort_by_importance([flows, rejected, Check("Window", FAILED, "A step.")])]
     ['Window', 'Outliers', 'Plasticity']
     """
-    return sorted(checks, key=lambda check: (check.outcome != FAILED, IMPORTANCE.index(check.name)))
+    importance = [*_CASES]
+    return sorted(checks, key=lambda check: (check.outcome != FAILED, importance.index(check.name)))
 
 
 def reason_text(check: Check, *, letters: int | None = None) -> str:
