@@ -136,22 +136,21 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
     -------
     list (load) of lists of str
     """
+    share = statistics["relative_contact_area_pixels"].values
     # limits as those of the checks of the same names
-    flags = []
-    for index in range(statistics.sizes["load"]):
-        load = values_at_load(statistics, index)
-        share = float(load["relative_contact_area_pixels"])
-        words = {
-            "not converged": not load["converged"],
-            "few contact points": share * points < CONTACT_POINTS,
-            "full contact": share == 1,
-            "coarse patches": overcount(load) > OVERCOUNT,
-            "contact on filled points": load["contact_on_filled_points"] > FILLED_IN_CONTACT[0],
-            "rejected points carry load": load.get("rejected_load_share", 0.0) > REJECTED_LOAD,
-        }
-        applying = [word for word, applies in words.items() if applies]
-        flags.append(applying + contact_checks.yield_flags(load))
-    return flags
+    words = {
+        "not converged": statistics["converged"].values == 0,
+        "few contact points": share * points < CONTACT_POINTS,
+        "full contact": share == 1,
+        "coarse patches": overcount(statistics) > OVERCOUNT,
+        "contact on filled points": statistics["contact_on_filled_points"].values > FILLED_IN_CONTACT[0],
+        "rejected points carry load": statistics.get("rejected_load_share", 0 * share) > REJECTED_LOAD,
+    }
+    by_class = [contact_checks.yield_flags(values_at_load(statistics, load)) for load in range(share.size)]
+    return [
+        [word for word, applies in words.items() if applies[load]] + flags
+        for load, flags in enumerate(by_class)
+    ]
 
 
 def window_checks(statistics: Statistics, window: xr.DataArray) -> list[Check]:
@@ -214,15 +213,11 @@ def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> li
 
     The sentence is that of the check of all loads together; where that passes, that of the first load.
     """
+    # by name: a load may lack the check, as that of currents in full contact
+    doubts = [{check.name: check for check in outcome.not_passed(checks)} for checks in by_load]
     reasons = []
     for check in together:
-        # by name: a load may lack the check, as that of currents in full contact
-        doubts_by_load = {
-            load: counterpart
-            for load, checks in enumerate(by_load)
-            for counterpart in outcome.not_passed(checks)
-            if counterpart.name == check.name
-        }
-        if doubts := outcome.not_passed([check, *doubts_by_load.values()]):
-            reasons.append({"check": check.name, "loads": [*doubts_by_load], "text": doubts[0].sentence})
+        of_loads = {load: named[check.name] for load, named in enumerate(doubts) if check.name in named}
+        if found := outcome.not_passed([check, *of_loads.values()]):
+            reasons.append({"check": check.name, "loads": [*of_loads], "text": found[0].sentence})
     return reasons

@@ -3,13 +3,14 @@
 `statistics` is always as `contact_statistics` returns it.
 """
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
 from roughcontact.arguments import materials
 from roughcontact.arguments.answers import AREA
 from roughcontact.arguments.measurement import json_attribute
-from roughcontact.arguments.quantities import number
 from roughcontact.arguments.variables import Numbers
 from roughcontact.contact.dataset import recorded_medium
 from roughcontact.statistics.conductance import knudsen_resistance_ratio
@@ -207,54 +208,41 @@ def units(statistics: Statistics) -> Check:
     """Check that modulus and loads are those of real materials: else a unit is likely to be wrong."""
     modulus, loads = float(statistics["contact_modulus"]), statistics["mean_pressure"].values
     of_modulus = materials.doubt_of_modulus(modulus)
-    of_warmth = _friction_doubt(statistics) or _temperature_doubt(statistics)
     of_loads = [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]
+    names = ("friction_coefficient", "max_flash_temperature", "temperature_drop")
+    friction, flash, drop = (float(statistics[name].max()) if name in statistics else 0.0 for name in names)
+    rise = max(flash, drop)
+    of_temperature, temperatures = _doubtful_temperature(statistics, rise)
     low, high = (unit_of_pressures(statistics).text(float(f(loads))) for f in (np.min, np.max))
     cases = {
         # a problem in units of its own, which cannot be checked
         "own": modulus == 1,
         "modulus": of_modulus,
-        "warmth": of_warmth,
+        "friction": friction > materials.MAX_FRICTION,
+        "flash": flash > materials.HOTTEST,
+        of_temperature: of_temperature,
         # loads that nobody stated have no unit to be wrong
         "planned": statistics.attrs.get("loads") == "planned",
         "loads": of_loads,
     }
     questions = [doubt.question() for doubt in (of_modulus, *of_loads) if doubt]
-    facts = {"modulus": modulus, "warmth": of_warmth, "doubtful": len(of_loads), "loads": loads.size}
-    span = low if low == high else f"{low} to {high}"
-    return judged("Units", cases, **facts, questions=questions, span=span)
+    facts = {"modulus": modulus, "friction": friction, "flash": flash, "rise": rise} | temperatures
+    facts |= {"doubtful": len(of_loads), "loads": loads.size, "questions": questions}
+    return judged("Units", cases, **facts, span=low if low == high else f"{low} to {high}")
 
 
-def _friction_doubt(statistics: Statistics) -> str:
-    """Return in a sentence that friction or its warmth is that of no solid, empty if neither is."""
-    for name, limit, text in (
-        ("friction_coefficient", materials.MAX_FRICTION, "The coefficient of friction by the area is {}"),
-        ("max_flash_temperature", materials.HOTTEST, "Sliding warms by {} K, which no solid bears"),
-    ):
-        if name in statistics and (largest := float(statistics[name].max())) > limit:
-            return f"{text.format(number(largest))}: check the units of the friction (statistics.friction)."
-    return ""
-
-
-def _temperature_doubt(statistics: Statistics) -> str:
-    """Return in a sentence that a named material is beyond its range of temperatures, empty if none is."""
-    names = [name for name in ("max_flash_temperature", "temperature_drop") if name in statistics]
-    rise = max((float(statistics[name].max()) for name in names), default=0.0)
+def _doubtful_temperature(statistics: Statistics, rise: float) -> tuple[str, dict[str, Any]]:
+    """Return the case of a named material beyond its range of temperatures, and its facts; "" for none."""
     for name, limits in json_attribute(statistics.attrs, "temperatures").items():
-        lowest, highest, stated = limits["lowest"], limits["highest"], limits.get("stated", materials.ROOM)
+        facts = {"stated": materials.ROOM} | limits | {"material": name}
         # the mean temperature is taken for that of a room, where nothing else is stated
-        if materials.ROOM + rise > highest:
-            return (
-                f"Warming by {number(rise)} K takes {name} from room temperature beyond {highest:g} °C, "
-                "where its properties are others: state those at that temperature, or check the units."
-            )
+        if materials.ROOM + rise > facts["highest"]:
+            return "warmed", facts
         # one of both scales may be meant
-        if not any(lowest <= temperature <= highest for temperature in (stated, stated - 273.15)):
-            return (
-                f"The relaxation of {name} is stated at {stated:g}, in °C and in K beyond its range of use, "
-                f"{lowest:g} to {highest:g} °C: check relaxation.temperature."
-            )
-    return ""
+        in_celsius = (facts["stated"], facts["stated"] - 273.15)
+        if not any(facts["lowest"] <= temperature <= facts["highest"] for temperature in in_celsius):
+            return "relaxation", facts
+    return "", {}
 
 
 def _loads(mask: np.ndarray | xr.DataArray, statistics: Statistics) -> str:

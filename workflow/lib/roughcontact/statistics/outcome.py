@@ -52,19 +52,9 @@ class _Sentence(string.Formatter):
         return percent(number, digits=digits) if unit == "%" else quantity(number, unit, digits=digits)
 
 
-class _Case(NamedTuple):
-    """One row of `checks.tsv`: the outcome of a check in a case, what it concerns, and its sentences."""
-
-    outcome: str
-    answers: tuple[str, ...]
-    finding: str
-    explanation: str = ""
-    advice: str = ""
-
-
-def _cases() -> dict[str, dict[str, _Case]]:
-    """Return the cases of each check by name, with all parts of their sentences."""
-    checks: dict[str, dict[str, _Case]] = defaultdict(dict)
+def _cases() -> dict[str, dict[str, Check]]:
+    """Return each check by name and case, its sentences to be filled in, with all their parts."""
+    checks: dict[str, dict[str, Check]] = defaultdict(dict)
     parts: dict[str, dict[str, str]] = defaultdict(dict)
     answers: dict[str, tuple[str, ...]] = {}
     for check, case, outcome, *sentences in rows_beside(__file__, "checks.tsv"):
@@ -74,7 +64,7 @@ def _cases() -> dict[str, dict[str, _Case]]:
         elif outcome == _CONCERNS:
             answers[check] = tuple(finding.split())
         else:
-            checks[check][case] = _Case(outcome, answers.get(check, tuple(ANSWERS)), finding, *further)
+            checks[check][case] = Check(check, outcome, finding, answers.get(check, tuple(ANSWERS)), *further)
     return checks
 
 
@@ -110,9 +100,10 @@ def judged(name: str, cases: Mapping[str, object], /, **facts: Any) -> Check:
     'The solved window covers 81.0 % of the measured map.'
     """
     case = next((case for case, holds in cases.items() if holds), "")
-    outcome, answers, *sentences = _CASES[name][case]
-    finding, *further = (_Sentence().vformat(sentence, (), facts) for sentence in sentences)
-    return Check(name, outcome, finding, answers, *further)
+    check = _CASES[name][case]
+    sentences = (check.finding, check.explanation, check.advice)
+    finding, explanation, advice = (_Sentence().vformat(sentence, (), facts) for sentence in sentences)
+    return check._replace(finding=finding, explanation=explanation, advice=advice)
 
 
 def worst_result(checks: Iterable[Check], *answers: str) -> str:
