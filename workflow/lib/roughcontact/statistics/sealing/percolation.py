@@ -1,5 +1,7 @@
 """Percolation of the gap, and the narrowest place that a fluid must pass."""
 
+from bisect import bisect_left
+
 import numpy as np
 
 from roughcontact.kernels.choose import library_available
@@ -68,23 +70,22 @@ def _levels(gap: np.ndarray, *, axes: tuple[int, ...] = (0, 1), above: float = 0
     heights = gap.ravel()
     # of each axis: a level at which it is open, or `above`, and one at which it is closed
     is_open, closed_above = [above, above], [np.inf, np.inf]
+
+    def is_closed(level: float, axis: int) -> bool:
+        """Return whether an axis is closed at a level, which narrows the range of both."""
+        for side, around in enumerate(open_along(level)):
+            if around:
+                is_open[side] = max(is_open[side], level)
+            else:
+                closed_above[side] = min(closed_above[side], level)
+        return is_open[axis] < level
+
     # the next number above the level: open there means open at all
     lowest = open_along(np.nextafter(heights.dtype.type(above), heights.dtype.type(np.inf)))
     sample = heights[:: max(1, heights.size // _SAMPLE)]
     for axis in axes:
-        if not lowest[axis]:
-            continue
         # a sample brackets the level cheaply; all heights within the bracket find it exactly
-        for values in (sample, heights):
+        for values in (sample, heights) if lowest[axis] else ():
             levels = np.sort(values[(values > is_open[axis]) & (values < closed_above[axis])])
-            low, high = 0, levels.size
-            while low < high:
-                middle = (low + high) // 2
-                level = float(levels[middle])
-                for side, around in enumerate(open_along(level)):
-                    if around:
-                        is_open[side] = max(is_open[side], level)
-                    else:
-                        closed_above[side] = min(closed_above[side], level)
-                low, high = (middle + 1, high) if is_open[axis] >= level else (low, middle)
+            bisect_left(range(levels.size), True, key=lambda i: is_closed(float(levels[i]), axis))
     return [is_open[axis] for axis in axes]
