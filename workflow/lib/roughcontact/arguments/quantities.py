@@ -267,7 +267,7 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
         raise SettingsError(f"{stated}: give numbers, NaN for what is not known ({error})") from error
     if math.isnan(value):
         half = max((upper - lower) / 2, finest)  # without a value: both ends
-        return _range_in_words(*(_end(bound, half, 3) for bound in (lower, upper)))
+        return range_in_words(*(_end(bound, half, 3) for bound in (lower, upper)))
     below = 0.0 if math.isclose(lower, value, rel_tol=_ROUNDING) else value - lower
     above = 0.0 if math.isclose(upper, value, rel_tol=_ROUNDING) else upper - value
     wider, narrower = max(below, above), min(below, above)
@@ -283,7 +283,7 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
         wider_side = max(below if math.isfinite(lower) else above, finest)
         digits = 2 if _is_long(value) else 3
         text = _format_half_widths(value, {}, wider_side) if 0 < wider_side < math.inf and digits > 2 else ""
-        range_text = _range_in_words(
+        range_text = range_in_words(
             *(_end(bound, max(abs(half), finest), 2) for bound, half in ((lower, below), (upper, above)))
         )
         # the value is one of the ends
@@ -296,8 +296,24 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
     return _format_half_widths(value, {" −": below, " +": above}, wider_side)
 
 
-def _range_in_words(low: str, high: str) -> str:
-    """Return an interval by the texts of its ends, empty for one that nothing bounds."""
+def range_in_words(low: str, high: str) -> str:
+    """Return an interval by the texts of its ends.
+
+    Parameters
+    ----------
+    low, high : str
+        empty for one that nothing bounds.
+
+    Returns
+    -------
+    str
+        "–" where nothing bounds either.
+
+    Examples
+    --------
+    >>> range_in_words("1.2 MPa", "3.4 MPa"), range_in_words("1.2 MPa", "")
+    ('1.2 MPa to 3.4 MPa', '1.2 MPa or more')
+    """
     if low and high:
         return f"{low} to {high}"
     return f"{low} or more" if low else f"{high} or less" if high else "–"

@@ -3,7 +3,7 @@
 import numpy as np
 
 from roughcontact.arguments.answers import ALLOWED_VALUES, AREA, ENDS, TOTALS
-from roughcontact.arguments.quantities import quantity
+from roughcontact.arguments.quantities import quantity, range_in_words
 from roughcontact.arguments.variables import Numbers
 from roughcontact.report.units import quantity_text, unit_of
 from roughcontact.statistics.decisions import is_lifted, lifting_pressure
@@ -109,7 +109,7 @@ def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:
         return ""
     largest, *bounds = (float(np.asarray(numbers[key])[index]) for key in names)
     lower, upper = (quantity(bound, "m") if np.isfinite(bound) else "" for bound in bounds)
-    interval = f" ({_interval_in_words(lower, upper)})" if lower else ""
+    interval = f" ({range_in_words(lower, upper)})" if lower else ""
     return f"; holds for Sq up to {quantity(largest, 'm')}{interval} of this texture with its S- and L-filter"
 
 
@@ -118,7 +118,8 @@ def _load_in_words(numbers: Numbers, name: str) -> str:
     crossings = [float(numbers[f"{name}_holds_from{suffix}"]) for suffix in ENDS]
     (crossing, lower, upper), loads = crossings, np.asarray(numbers["mean_pressure"], float)
     at, low, high = (load_in_words(load, numbers)[1] if load > 0 else "" for load in crossings)
-    interval = _interval_in_words(low, high) if len({*crossings}) > 1 else ""  # that of a fluid has none
+    has_interval = (low or high) and len({*crossings}) > 1  # that of a fluid has none
+    interval = range_in_words(low, high) if has_interval else ""
     if np.isnan(crossing):
         sentence = f"{'below' if ALLOWED_VALUES[name].trend > 0 else 'beyond'} the loads solved"
     elif ALLOWED_VALUES[name].trend > 0:
@@ -132,10 +133,3 @@ def _load_in_words(numbers: Numbers, name: str) -> str:
     else:
         sentence = f"from {at} on"
     return f"{sentence} ({interval})" if interval else sentence
-
-
-def _interval_in_words(low: str, high: str) -> str:
-    """Return an interval by its ends, of which one or both may be empty."""
-    if low and high:
-        return f"{low} to {high}"
-    return f"{low} or more" if low else f"{high} or less" if high else ""

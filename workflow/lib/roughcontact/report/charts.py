@@ -23,7 +23,6 @@ from roughcontact.report.template import template
 # Okabe and Ito (2008): eight colours that colour-blind people can tell apart (yellow left out: too pale for
 # lines)
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
-MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 GREY = "#444444"  # of lines for comparison
 DASHED, DOTTED, DASH_DOTTED = "6 3", "2 2.5", "7 3 2 3"
@@ -35,14 +34,15 @@ _MAX_POINTS = 1500  # of a line; of longer ones the extremes of each few points 
 
 # outlines of the marks around (0, 0), for a radius of 1
 _OUTLINES = {
+    "o": "M-1 0a1 1 0 1 0 2 0a1 1 0 1 0-2 0z",
     "s": "M-.9-.9h1.8v1.8h-1.8z",
     "^": "M0-1.1L1 .8H-1z",
-    "v": "M0 1.1L1-.8H-1z",
     "D": "M0-1.2L1.2 0 0 1.2-1.2 0z",
+    "v": "M0 1.1L1-.8H-1z",
     "P": "M-.4-1.1h.8v.7h.7v.8h-.7v.7h-.8v-.7h-.7v-.8h.7z",
     "X": "M-1-.5L-.5-1 0-.5.5-1 1-.5.5 0 1 .5.5 1 0 .5-.5 1-1 .5-.5 0z",
-    "o": "M-1 0a1 1 0 1 0 2 0a1 1 0 1 0-2 0z",
 }
+MARKERS = tuple(_OUTLINES)
 
 Rectangle = tuple[float, float, float, float]  # left, top, width, height
 

@@ -23,19 +23,6 @@ Row = dict[str, Any]
 Load = tuple[xr.Dataset, int]  # statistics of a surface, and the place of a load among theirs
 
 
-def shown_comparisons(
-    comparisons: Mapping[tuple[str, str], xr.Dataset], answers: Mapping[str, xr.Dataset]
-) -> dict[tuple[str, str], xr.Dataset]:
-    """Return comparisons at the loads that are shown, by the areas of the one that is named first."""
-    selections = {}
-    for labels, result in comparisons.items():
-        reference = answers[labels[0]]
-        loads, areas = (reference[name].values for name in ("mean_pressure", AREA))
-        area = np.interp(result["mean_pressure"].values, loads, areas)
-        selections[labels] = result.isel(load=glance.shown_loads(area))
-    return selections
-
-
 def comparison_rows(
     comparisons: Mapping[tuple[str, str], xr.Dataset],
     groups: Sequence[NamedGroup],
@@ -43,18 +30,21 @@ def comparison_rows(
 ) -> list[Row]:
     """Return for each two groups `first`, `second`, the `loads` in words, and `rows` of quantities.
 
-    A row has `cells` of the ratio at each load with its interval, or why there is none, and `outcomes`;
-    `of_maps` tells two maps.
+    The loads are those that are shown, by the areas of the one that is named first. A row has `cells` of the
+    ratio at each load with its interval, or why there is none, and `outcomes`; `of_maps` tells two maps.
     """
     of_groups = {group.label: group.answer for group in groups}
     answers = {**(maps or {}), **of_groups}
     rows = []
-    for (label, partner), result in comparisons.items():
-        loads = result["mean_pressure"].values.tolist()
+    for (label, partner), comparison in comparisons.items():
         results = answers[label], answers[partner]
+        reference, areas = (results[0][name].values for name in ("mean_pressure", AREA))
+        shown = glance.shown_loads(np.interp(comparison["mean_pressure"].values, reference, areas))
+        result = comparison.isel(load=shown)
+        loads = result["mean_pressure"].values.tolist()
         at_loads = [[(data, nearest_load(data, load)) for data in results] for load in loads]
+        texts = list(map(unit_of(results[0], "Pa").text, loads))
         row = _ratios(label, partner, result, at_loads)
-        texts = list(map(unit_of(answers[label], "Pa").text, loads))
         rows.append(row | {"loads": texts, "of_maps": label not in of_groups})
     return rows
 

@@ -4,7 +4,6 @@ import base64
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +15,7 @@ from roughcontact.report import ONE_PAGE, glance
 from roughcontact.report import groups as group_section
 from roughcontact.report.asked import describe_problem, measured_in_words, same_loads
 from roughcontact.report.courses import answer_with_courses, course_sections
-from roughcontact.report.differences import Row, case_rows, comparison_rows, shown_comparisons
+from roughcontact.report.differences import Row, case_rows, comparison_rows
 from roughcontact.report.groups import Key, name_under
 from roughcontact.report.load_plots import compare_areas, line_style
 from roughcontact.report.summary import from_page, read_summary
@@ -104,12 +103,13 @@ def write_report(
         for (name, reason), cases in causes.items()
     ]
     maps = {name_under(*key): data for key, data in series.items()}
-    answers = maps | {group.label: group.answer for group in groups}
-    compared = shown_comparisons(compared or {}, answers)
-    differences = comparison_rows(compared, groups, maps)
+    differences = comparison_rows(compared or {}, groups, maps)
     several = group_section.answer_of_several(groups, differences, series, last)
-    of_cases = [case_rows(of, surface=name, equal_loads=equal_loads) for name, of in by_surface.items()]
-    cases = [*chain(*of_cases)]
+    cases = [
+        row
+        for name, of_cases in by_surface.items()
+        for row in case_rows(of_cases, surface=name, equal_loads=equal_loads)
+    ]
     verdicts = {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}
     head = {
         "title": title,
