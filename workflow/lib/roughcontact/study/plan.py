@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 from roughcontact.arguments.bodies import relaxation_table
 from roughcontact.arguments.settings.generated import changed_settings
@@ -29,19 +29,7 @@ from roughcontact.study.table.read import measured
 from roughcontact.study.table.row import Surface
 from roughcontact.study.table.same_area import same_area_pairs
 
-Rule = Literal[
-    "prepare",
-    "prepare_with_overview",
-    "prepare_face",
-    "superpose",
-    "contact",
-    "statistics",
-    "panel",
-    "unload",
-    "wear",
-    "slide",
-    "report",
-]
+Rule = str  # a key of STAGES, or "report"
 
 # the stages whose files a rule writes; a case runs it where it differs in the settings of the decisive one
 STAGES: dict[Rule, tuple[str, ...]] = {
@@ -106,13 +94,12 @@ class Plan:
             for name, file in self.measured.items()
         }
         for name, row in self.table.items():
-            rule: Rule = "prepare_with_overview" if name in self.with_overview else "prepare"
+            rule = "prepare_with_overview" if name in self.with_overview else "prepare"
             roles[name] = Role(row, row.read_arguments, "window", ((rule, "window"),))
         for name, placement in self.placements.items():
             face, counter_face = sides = placement.face, placement.counter_face
             cells = vars(placement) | {"composite": self.common["composite"]}
             cells["sides"] = {side: self.measured[side].read_arguments for side in sides}
-            jobs: tuple[tuple[Rule, str], ...]
             jobs = ("prepare_face", "face"), ("prepare_face", "counter_face"), ("superpose", "window")
             files = {"height": (face, "height"), "counter_height": (counter_face, "height")}
             files |= {"face": (face, "levelled"), "counter_face": (counter_face, "levelled")}
@@ -348,9 +335,7 @@ class Plan:
     def contributing(self, result: str) -> list[tuple[Rule, str]]:
         """Return rule and result of all jobs of the chain that contribute to a result, in their order."""
         _, surface = split(result)
-        jobs: list[tuple[Rule, str]] = [
-            (rule, _folder(self.file(name, result))) for rule, name in self.roles[surface].jobs
-        ]
+        jobs = [(rule, _folder(self.file(name, result))) for rule, name in self.roles[surface].jobs]
         for stage in ("contact", "uncertainty", "statistics"):
             folder = _folder(self.file(stage, result))
             case, _ = split(folder)
