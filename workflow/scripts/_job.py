@@ -14,7 +14,7 @@ import warnings
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
 from __main__ import snakemake  # the global of the script; only few versions have it in `snakemake.script`
 
@@ -209,18 +209,6 @@ def _report_error(kind: type[BaseException], error: BaseException, trace: Traceb
         print(line, file=sys.stderr, flush=True)
 
 
-def _log_warning(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: TextIO | None = None,
-    line: str | None = None,
-) -> None:
-    """Write a warning to the log."""
-    _log(warnings.formatwarning(message, category, filename, lineno, line))
-
-
 def _finish() -> None:
     """Record that the job has come to its end, which a killed one has not."""
     if sys.excepthook is _report_error:
@@ -231,5 +219,5 @@ collect_rarely()
 _write_record()
 atexit.register(_finish)
 sys.excepthook = _report_error
-warnings.showwarning = _log_warning
+warnings.showwarning = lambda *warning, **_: _log(warnings.formatwarning(*warning[:4]))
 _check_inputs()
