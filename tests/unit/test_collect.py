@@ -18,7 +18,6 @@ from roughcontact.results.collect import (
     append_failures,
     collect_statistics,
     column_name,
-    pairs_table,
     summary,
     summary_table,
     table,
@@ -187,40 +186,6 @@ def test_what_failed_stands_below_with_its_case_and_its_reason(case):
     assert append_failures(summary, []) is summary
 
 
-def test_pairs_have_mean_and_spread_over_their_members():
-    summary = pd.DataFrame(
-        {
-            "case": ["a"] * 7 + ["b"] * 4,
-            "surface": ["x", "x", "p-1", "p-1", "p-2", "p-2", "q-1", *["p-1", "p-1", "p-2", "p-2"]],
-            "mean_pressure_Pa": [9.0, 9, 1, 2, 3, 6, 7, 1, 1, 1, 1],
-        }
-    )
-    table = pairs_table(summary, {"p-1": "p", "p-2": "p", "q-1": "q"})
-    assert list(table.columns) == [
-        "case",
-        "surface",
-        "members",
-        "mean_pressure_Pa",
-        "spread_mean_pressure_Pa",
-    ]
-    assert list(zip(table["case"], table["surface"], table["members"], strict=True)) == [
-        *[("a", "p", 2)] * 2,
-        ("a", "q", 1),
-        *[("b", "p", 2)] * 2,
-    ]
-    np.testing.assert_allclose(table["mean_pressure_Pa"], [2, 4, 7, 1, 1])
-    np.testing.assert_allclose(table["spread_mean_pressure_Pa"], [2**0.5, 8**0.5, np.nan, 0, 0])
-
-
-def test_a_pair_of_hundreds_of_columns_says_nothing_of_how_its_table_is_stored():
-    """A warning of pandas on that, of some hundred columns, stood on the screen of each run of a pair."""
-    rows = {"surface": ["p-1", "p-2"]} | {f"number_{index}": [1.0, 2.0] for index in range(300)}
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        table = pairs_table(pd.DataFrame(rows), {"p-1": "p", "p-2": "p"})
-    assert (table.filter(regex="^number_") == 1.5).all(axis=None)
-
-
 @pytest.mark.parametrize("cases", [[None], ["steel", "peek"]])
 def test_every_load_has_its_verdict_and_its_reasons(tmp_path, cases):
     verdicts = {
@@ -250,8 +215,6 @@ def test_every_load_has_its_verdict_and_its_reasons(tmp_path, cases):
     write_table(table, tmp_path / "summary.csv")
     reread = pd.read_csv(tmp_path / "summary.csv", keep_default_na=False)
     assert list(reread["reasons"]) == [reasons for _, reasons in expected]
-    pairs = pairs_table(table, {"a": "both", "b": "both"})
-    assert not {"verdict", "reasons"} & set(pairs)
 
 
 def test_files_of_surfaces_are_concatenated_without_a_word(tmp_path):

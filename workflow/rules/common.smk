@@ -89,7 +89,6 @@ sources_of = partial(ARGUMENTS.sources_of, local=local, before=distrust_files)
 REPORT = {
     "results": PLAN.results,
     "further": [file for result in PLAN.results for file in PLAN.further_files(result)],
-    "pairs": bool(PLAN.pairs),
     "groups": bool(PLAN.groups or PLAN.pairs or PLAN.same_area_pairs),
 }
 

@@ -61,11 +61,6 @@ def write_results(
     text = table_text(collect.append_failures(summary, failures))
     write_text(text, folder / "summary.csv")
     write_table(budget_table(statistics), folder / "uncertainty.csv")
-    maps_solved = set(summary["surface"])
-    if pair_of_surface := {
-        name: pair for pair, names in pairs.items() for name in names if name in maps_solved
-    }:
-        write_table(collect.pairs_table(summary, pair_of_surface), folder / "pairs.csv")
     names_requested = {*chain.from_iterable((*same_area_pairs, *groups.values(), *pairs.values()))}
     by_case = _split_by_map(statistics, names_requested)
     answers, omissions = group_answers(by_case, groups, pairs)

@@ -357,24 +357,3 @@ def append_failures(summary: pd.DataFrame, failures: Sequence[Failure]) -> pd.Da
     rows = pd.DataFrame(failures).rename(columns={"reason": "reasons"}).assign(verdict="failed")
     rows = rows if "case" in summary else rows.drop(columns="case")
     return pd.concat([summary, rows], ignore_index=True)
-
-
-def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame:
-    """Return mean and `spread_...` (standard deviation, n - 1) over the members of each pair, case and load.
-
-    Loads are taken in order, first with first: the mean pressures of members differ where loads are relative.
-    """
-    names = [name for name in ("case", "surface") if name in summary]
-    numbers = [
-        name
-        for name in map(str, summary)
-        if name not in (*names, "reasons", "corrected_for") and not name.endswith("verdict")
-    ]
-    of_pairs = summary[summary["surface"].isin(pairs)]
-    load = of_pairs.groupby(names, sort=False).cumcount().rename("load")
-    of_pairs = of_pairs.assign(surface=of_pairs["surface"].map(pairs))
-    groups = of_pairs.groupby([*names, load], sort=False)[numbers]
-    frame = groups.agg(["mean", "std"]).copy()  # in one piece: of many, pandas warns
-    frame.columns = pd.Index([column for name in numbers for column in (name, f"spread_{name}")])
-    frame.insert(0, "members", groups.size())
-    return frame.droplevel("load").reset_index()

@@ -13,7 +13,7 @@ from roughcontact.study.plan import Plan
 
 LAST_RESULTS = Path(".snakemake/roughcontact-results")
 _OF_ALL = [f"results/{name}.nc" for name in ("statistics", "groups")] + ["results/report.html"]
-_OF_ALL += [f"results/{name}.csv" for name in ("summary", "uncertainty", "groups", "comparisons", "pairs")]
+_OF_ALL += [f"results/{name}.csv" for name in ("summary", "uncertainty", "groups", "comparisons")]
 
 
 def replaced_files() -> list[str]:
