@@ -4,6 +4,15 @@
 # the settings that a file depends on has no such file: `file_of` names that of the earlier case.
 from roughcontact.report import ONE_PAGE
 
+# what is solved, and what it was made of
+PREPARED = {
+    name: file_of(name)
+    for name in ("height", "counter_height", "levelled", "window", "overview")
+}
+STATISTICS = shown(
+    "results/{result}/statistics.nc", "surface_statistics", "all numbers"
+)
+
 
 rule prepare:
     """Read the measured file, level the map, cut out the periodic window."""
@@ -80,19 +89,13 @@ rule superpose:
 rule contact:
     """Solve the contact for every load, bound its error, compute the statistics."""
     input:
+        **PREPARED,
         sources=sources_of("contact"),
-        height=file_of("height"),
-        counter_height=file_of("counter_height"),
-        levelled=file_of("levelled"),
-        window=file_of("window"),
-        overview=file_of("overview"),
         uncertainty=file_of("uncertainty", earlier=True),
     output:
         contact="results/{result}/contact.nc",
         uncertainty="results/{result}/uncertainty.nc",
-        statistics=shown(
-            "results/{result}/statistics.nc", "surface_statistics", "all numbers"
-        ),
+        statistics=STATISTICS,
     log:
         "logs/{result}/contact.log",
     wildcard_constraints:
@@ -111,20 +114,14 @@ rule contact:
 # a case with other settings of statistics or uncertainty evaluates the solution of an earlier case
 use rule contact as statistics with:
     input:
+        **PREPARED,
         sources=sources_of("statistics"),
-        height=file_of("height"),
-        counter_height=file_of("counter_height"),
-        levelled=file_of("levelled"),
-        window=file_of("window"),
-        overview=file_of("overview"),
         contact=file_of("contact"),
         uncertainty=file_of("uncertainty", earlier=True),
         statistics=file_of("statistics", earlier=True),
     output:
         uncertainty="results/{result}/uncertainty.nc",
-        statistics=shown(
-            "results/{result}/statistics.nc", "surface_statistics", "all numbers"
-        ),
+        statistics=STATISTICS,
     log:
         "logs/{result}/statistics.log",
     wildcard_constraints:
@@ -138,12 +135,8 @@ use rule contact as statistics with:
 rule panel:
     """Draw the section of one result in the report: figures, checks, tables."""
     input:
+        **PREPARED,
         sources=sources_of("panel"),
-        height=file_of("height"),
-        counter_height=file_of("counter_height"),
-        levelled=file_of("levelled"),
-        window=file_of("window"),
-        overview=file_of("overview"),
         contact=file_of("contact"),
         statistics="results/{result}/statistics.nc",
         courses=courses_of,
@@ -244,8 +237,6 @@ rule slide:
 
 # files that only some studies have
 FURTHER = {}
-if REPORT["pairs"]:
-    FURTHER["pairs"] = shown("results/pairs.csv", "pairs", "pairs of faces")
 if REPORT["groups"]:
     FURTHER["groups"] = shown("results/groups.nc", "groups", "results of groups")
     FURTHER["groups_table"] = shown("results/groups.csv", "groups", "results of groups")
