@@ -18,12 +18,12 @@ from roughcontact.study.run_lock import VARIABLE, RunLock, end_processes, run_lo
 from roughcontact.study.yaml_text import check_yaml
 
 PACKAGE = Path(__file__).parents[1]
-_PROFILES = ("--profile", "--workflow-profile", "--executor", "-e")
-_CORES = ("--cores", "-c", "--jobs", "-j", *_PROFILES)
+_PROFILES = {"--profile", "--workflow-profile", "--executor", "-e"}
+_CORES = {"--cores", "-c", "--jobs", "-j", *_PROFILES}
 # all but that of code, which compares dates of scripts: an installation would make every result again
 CONTENT_TRIGGERS = ("--rerun-triggers", "input", "mtime", "params", "software-env")
 # with one of these the screen is Snakemake's own
-_SHOW = ("--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag")
+_SHOW = {"--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag"}
 # with one of these Snakemake runs nothing, and asks for no lock
 _DRY = re.compile(
     r"-[npqkFr]*[nSDv]|-n[npqkFr]*|--(dry-?run|summary|detailed-summary|list.*|lint|report|version"
@@ -55,17 +55,17 @@ def run_workflow(arguments: Sequence[str]) -> int:
 
     On all cores by default; a killed run is continued; a bad file stops only its own surface.
     """
-    options = stated_options(arguments)
+    options, names = stated_options(arguments), {argument.split("=")[0] for argument in arguments}
     _check_start(options)
     dry = any(map(_DRY.fullmatch, arguments)) and "--report-after-run" not in arguments
     command = [sys.executable, "-c", _SNAKEMAKE, "--snakefile", str(workflow_file())]
-    if not any(option.split("=")[0] in _SHOW for option in arguments):
+    if not names & _SHOW:
         command += ["--logger", "roughcontact"]
     # as in the default profile, which Snakemake would announce each time
     command += ["--rerun-incomplete", "--keep-going"]
     # the other one starts a process for each choice, to weigh temporary files, of which there are none
     command += ["--scheduler", "greedy"]
-    if not any(option.split("=")[0] in _PROFILES for option in arguments):
+    if not names & _PROFILES:
         command += ["--workflow-profile", "none", *CONTENT_TRIGGERS]
         if sys.platform == "linux":  # elsewhere libraries do not survive a fork
             command += ["--executor", "roughcontact"]
@@ -75,7 +75,7 @@ def run_workflow(arguments: Sequence[str]) -> int:
             print("The last run in this folder was killed: it is continued.", file=sys.stderr, flush=True)
             if code := _wait([*command, "--unlock", *arguments, "--quiet"], folder, lock):
                 return code
-        if not any(option.split("=")[0] in _CORES for option in arguments):
+        if not names & _CORES:
             command += ["--cores", "all"]
         code = _wait([*command, *arguments], folder, lock)
     if code == 128 + signal.SIGINT:

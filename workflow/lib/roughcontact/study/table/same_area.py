@@ -26,17 +26,18 @@ def _mistakes_in_references(surfaces: Mapping[str, Surface]) -> Iterator[Setting
     pairs = {name for name, row in surfaces.items() if row.faces}
     for name, row in surfaces.items():
         for column, reference in ((REPEAT, row.repeat_of), (BEFORE, row.before)):
-            if not reference or (
-                reference in surfaces and name != reference and not pairs & {name, reference}
-            ):
+            if not reference:
                 continue
-            singles = [single for single in surfaces if single != name and single not in pairs]
-            wrong = f"is no other surface of the table; {nearest(reference, singles)}"
             if pairs & {name, reference}:
                 pair = name if name in pairs else reference
                 wrong = f"{pair} is a pair (counter_face); only single maps are compared; leave {column} out"
             elif name == reference:
                 wrong = "is the name of this row; give that of the other map of the place"
+            elif reference not in surfaces:
+                singles = [single for single in surfaces if single != name and single not in pairs]
+                wrong = f"is no other surface of the table; {nearest(reference, singles)}"
+            else:
+                continue
             yield in_cell(row, column, f"{column} = {reference!r}: {wrong}")
 
 
@@ -101,15 +102,13 @@ def with_other_maps(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
     """
     rows = dict(surfaces)
     first_maps = {name: _first_repeated(surfaces, name) for name in surfaces}
-    partners = {row.repeat_of: name for name, row in reversed([*surfaces.items()]) if row.repeat_of}
-    partners |= {name: row.repeat_of for name, row in surfaces.items() if row.repeat_of}
-    for name, partner in partners.items():
-        row, specimens = surfaces[name], {surfaces[key].specimen for key in (name, partner)}
-        repeats = [
-            key for key in surfaces if first_maps[key] == first_maps[name] and key not in (name, partner)
-        ]
-        maps = [_as_other_map(surfaces[key]) for key in (partner, *repeats)]
-        is_one_specimen = row.group and row.group == surfaces[partner].group and specimens == {""}
+    for name, row in surfaces.items():
+        repeats = [surfaces[key] for key in surfaces if first_maps[key] == first_maps[name] and key != name]
+        if not repeats:
+            continue
+        partner = surfaces.get(row.repeat_of) or next(map_ for map_ in repeats if map_.repeat_of == name)
+        maps = [_as_other_map(map_) for map_ in (partner, *(map_ for map_ in repeats if map_ is not partner))]
+        is_one_specimen = row.group and row.group == partner.group and not row.specimen + partner.specimen
         rows[name] = replace(
             row,
             read_arguments={"repeats": maps, **row.read_arguments},
