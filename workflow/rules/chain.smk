@@ -237,13 +237,13 @@ rule slide:
 
 # files that only some studies have
 FURTHER = {}
-if REPORT["groups"]:
+if PLAN.groups or PLAN.pairs or PLAN.same_area_pairs:
     FURTHER["groups"] = shown("results/groups.nc", "groups", "results of groups")
     FURTHER["groups_table"] = shown("results/groups.csv", "groups", "results of groups")
     FURTHER["comparisons"] = shown(
         "results/comparisons.csv", "comparisons", "differences of groups"
     )
-if len(REPORT["results"]) > ONE_PAGE:
+if len(PLAN.results) > ONE_PAGE:
     FURTHER["pages"] = directory("results/pages")
 
 
@@ -251,11 +251,11 @@ rule report:
     """Put all results into one dataset, one table, and one self-contained page."""
     input:
         sources=sources_of("report"),
-        statistics=expand("results/{result}/statistics.nc", result=REPORT["results"]),
+        statistics=expand("results/{result}/statistics.nc", result=PLAN.results),
         # which are read beside the statistics
-        panels=expand("results/{result}/panel.html", result=REPORT["results"]),
-        summaries=expand("results/{result}/panel.json", result=REPORT["results"]),
-        further=REPORT["further"],
+        panels=expand("results/{result}/panel.html", result=PLAN.results),
+        summaries=expand("results/{result}/panel.json", result=PLAN.results),
+        further=[f for result in PLAN.results for f in PLAN.further_files(result)],
     output:
         **FURTHER,
         statistics=shown("results/statistics.nc", "statistics", "all numbers"),

@@ -86,11 +86,6 @@ def distrust_files():
 
 
 sources_of = partial(ARGUMENTS.sources_of, local=local, before=distrust_files)
-REPORT = {
-    "results": PLAN.results,
-    "further": [file for result in PLAN.results for file in PLAN.further_files(result)],
-    "groups": bool(PLAN.groups or PLAN.pairs or PLAN.same_area_pairs),
-}
 
 if DEFAULTS and not os.path.isfile("config/config.yaml"):
     table = find_file(PLAN.common["surfaces"], FOLDERS)
