@@ -19,6 +19,7 @@ _NOT_COMPARED = {
     *("iterations", "operator_applications", "error_bound", "rounding_floor", "max_penetration"),
     *("load_error", "converged", "verdict"),
 }
+_NOT_SOLVED = xr.Dataset({"mean_pressure": ("load", np.empty(0))})
 _BUDGET = ("_uncertainty", "_lower", "_upper", "_parts")
 
 
@@ -79,7 +80,7 @@ def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | 
         )
     rows: list[dict[str, Any]] = []
     for name in dict.fromkeys([*earlier, *later]):
-        for old, new in _pairs(earlier.get(name), later.get(name)):
+        for old, new in _pairs(earlier.get(name, _NOT_SOLVED), later.get(name, _NOT_SOLVED)):
             rows += [dict(zip(labels, name, strict=True)) | row for row in _judged(old, new, share)]
     if not rows:
         raise InputFileError(
@@ -95,19 +96,15 @@ def _surfaces(statistics: xr.Dataset) -> dict[tuple[str, ...], xr.Dataset]:
     return {tuple(labels.values()): result for labels, result in solved_results(statistics)}
 
 
-def _pairs(earlier: xr.Dataset | None, later: xr.Dataset | None) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
+def _pairs(earlier: xr.Dataset, later: xr.Dataset) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
     """Yield the loads of both that belong together; one without a partner comes with an empty dataset."""
-    empty = xr.Dataset()
-    sides = [
-        [] if side is None else [side.isel(load=i) for i in range(side.sizes["load"])]
-        for side in (earlier, later)
-    ]
-    pairs = {}
-    if earlier is not None and later is not None:
-        # loads that both runs have, by the one rule for all comparisons
-        pairs = dict(zip(*(indices.tolist() for indices in paired_loads(earlier, later)), strict=True))
-    yield from ((load, sides[1][pairs[i]] if i in pairs else empty) for i, load in enumerate(sides[0]))
-    yield from ((empty, load) for i, load in enumerate(sides[1]) if i not in pairs.values())
+    # by the one rule for all comparisons
+    partners = dict(zip(*(indices.tolist() for indices in paired_loads(earlier, later)), strict=True))
+    for index in range(earlier.sizes["load"]):
+        partner = later.isel(load=partners[index]) if index in partners else xr.Dataset()
+        yield earlier.isel(load=index), partner
+    for index in {*range(later.sizes["load"])} - {*partners.values()}:
+        yield xr.Dataset(), later.isel(load=index)
 
 
 def _judged(old: xr.Dataset, new: xr.Dataset, share: float | None) -> Iterator[dict[str, Any]]:
