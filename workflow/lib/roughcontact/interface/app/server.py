@@ -29,7 +29,7 @@ from roughcontact.interface.app.study import FOLDER, check_within_study, error_i
 from roughcontact.report.template import script_digests
 from roughcontact.study.run_lock import lock_file
 
-_MAX_CONNECTIONS = 40  # with three times those accepted at once fewer than the files a process may open
+_MAX_CONNECTIONS = 40  # with six times those accepted at once fewer than the files a process may open
 _LOCK, _OPENING = Path(".snakemake/page"), Path(".snakemake/page.html")
 _NOTHING = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 _POLICY = f"{_NOTHING}; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'"
@@ -124,12 +124,16 @@ class Connection(H11Protocol):
     """A connection; the oldest one that waits for a request makes room where there are too many."""
 
     def connection_made(self, transport: Any) -> None:  # narrower in uvicorn than in asyncio
+        """Begin; what was sent with it is read in the next round of the loop, and room is made after that."""
+        super().connection_made(transport)
+        self.begin = self.loop.time()
+        self.loop.call_soon(self.loop.call_soon, self.make_room)
+
+    def make_room(self) -> None:
         """End the oldest connection without a request, where this is one too many."""
         waiting = [peer for peer in self.connections if isinstance(peer, Connection) and peer.is_waiting()]
         if len(waiting) > _MAX_CONNECTIONS:
             min(waiting, key=lambda peer: peer.begin).transport.abort()
-        super().connection_made(transport)
-        self.begin = self.loop.time()
 
     def is_waiting(self) -> bool:
         """Return whether no request is being answered."""
@@ -163,7 +167,7 @@ def serve(folder: Path, *, port: int = 0, browser: bool = True) -> int:
         app = application(page, token=token, port=port)
         # the backlog is what asyncio accepts at once, before a connection can make room
         config = uvicorn.Config(
-            app, http=Connection, ws="none", log_config=None, backlog=30, timeout_graceful_shutdown=1
+            app, http=Connection, ws="none", log_config=None, backlog=20, timeout_graceful_shutdown=1
         )
         # uvicorn raises the signal again: it ends the program by what follows
         signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
