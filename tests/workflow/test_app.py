@@ -26,10 +26,12 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
+import uvicorn
 import xarray as xr
 import yaml
 from browser import CHROMIUM, Browser
 from packaging.requirements import Requirement
+from starlette.responses import PlainTextResponse
 
 from data_samples.make_samples import matrix_bytes, profile_bytes, sdf_bytes, x3p_bytes
 from roughcontact import SettingsError, self_affine_surface
@@ -50,6 +52,7 @@ from roughcontact.report.summary import Summary, write_summary
 from roughcontact.results.storage import write_dataset
 from roughcontact.study.table.columns import column_choices, column_meaning
 from roughcontact.study.table.read import read_surfaces
+from roughcontact.study.table.text import read_table
 
 in_browser = [pytest.mark.browser, pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")]
 SUMMARY = {key: [] if key in ("reasons", "doubts", "loads") else "use" for key in Summary.__annotations__}
@@ -222,6 +225,7 @@ class TestFiveSteps:
             seen = "[...document.querySelectorAll('.row img')].filter(image => image.naturalWidth > 0).length"
             browser.wait(f"{seen} === 2")
             for column, text in (("dx", "1 um"), ("dy", "1 um"), ("unit", "um")):
+                browser.wait(f"document.getElementById('rows.2.{column}')")
                 fill_cell(browser, 2, column, text)
             browser.wait(f"{seen} === 3")
             # groups by selecting: what has just been added is ticked
@@ -1168,6 +1172,38 @@ class TestOtherUsers:
             assert (tmp_path / "study/measured/a.txt").read_text() == "1" * 70
             assert get(address)[0] == 200
 
+    def test_a_request_is_read_before_room_is_made_for_those_after_it(self):
+        """However many connections are accepted in the same rounds of the loop: its head is there already."""
+
+        async def answer():
+            listener = socket.create_server(("127.0.0.1", 0))
+            address = listener.getsockname()
+            options = {"http": server.Connection, "ws": "none", "log_config": None, "backlog": 30}
+            served = uvicorn.Server(uvicorn.Config(PlainTextResponse("yes"), lifespan="off", **options))
+            serving = asyncio.create_task(served.serve(sockets=[listener]))
+            while not served.started:
+                await asyncio.sleep(0.01)
+            listener.listen(128)
+            with contextlib.ExitStack() as connections:
+
+                def connect():
+                    return connections.enter_context(socket.create_connection(address, timeout=30))
+
+                for _ in range(60):
+                    connect()
+                await asyncio.sleep(0.2)
+                assert len(served.server_state.connections) == 40
+                asking = connect()
+                asking.sendall(b"GET / HTTP/1.1\r\nHost: a\r\n\r\n")
+                for _ in range(100):
+                    connect()
+                await asyncio.sleep(0.5)
+                served.should_exit = served.force_exit = True
+                await serving
+                return asking.recv(12)
+
+        assert asyncio.run(answer()) == b"HTTP/1.1 200"
+
     def test_a_page_that_is_terminated_ends_its_run(self, tmp_path):
         maps(tmp_path / "study/measured")
         with served(tmp_path / "study", ended_by=signal.SIGTERM) as address:
@@ -1690,6 +1726,89 @@ class TestForm:
         field = '<input id="contact.mean_pressure.1"[^>]* autofocus'
         assert re.search(field, page.after({"page.more": "contact.mean_pressure.1"}))
         assert "autofocus" not in page.html()  # news while the run goes on
+
+    @pytest.mark.parametrize("bodies", ["[steel, PEEK]", "[{material: steel}, {layers: [steel, PEEK]}]"])
+    def test_a_word_for_a_body_and_a_number_for_a_list_are_changed_by_their_fields(self, bodies, tmp_path):
+        config = tmp_path / "config/config.yaml"
+        config.write_text(f"contact: {{bodies: {bodies}, mean_pressure: 5 MPa}}\n")
+        page = Page()
+        fields = {"contact.bodies.0.material": "copper", "contact.mean_pressure.0": "6 MPa"}
+        fields |= {"contact.bodies.1.hardness": "1 GPa"}
+        assert set(fields) - {"contact.bodies.1.hardness"} <= form_fields(page.first()).keys()
+        page.after(fields)
+        contact = yaml.safe_load(config.read_text())["contact"]
+        assert contact["mean_pressure"] == ["6 MPa"]
+        assert contact["bodies"][0] == {"material": "copper"}
+        second = {"layers": [{"material": name} for name in ("steel", "PEEK")]}
+        second = second if "layers" in bodies else {"material": "PEEK"}
+        assert contact["bodies"][1] == second | {"hardness": "1 GPa"}
+
+    def test_what_others_change_meanwhile_is_kept(self, tmp_path):
+        """While the page is open both files are edited in a terminal: one field of the page changes there."""
+        config, table = tmp_path / "config/config.yaml", tmp_path / "config/surfaces.tsv"
+        page = Page()
+        page.first()
+        page.after(STUDY | {"rows.1.surface": "two", "rows.1.path": "measured/two.sdf"})
+        page.after({"page.do": "all"})
+        news = page.news()
+        edited = (
+            config.read_text().replace("mean_pressure", "unload: [1 MPa]\n  mean_pressure")
+            + "report: {title: five}\n"
+        )
+        config.write_text(edited)
+        # a row before, and one of which the name is another
+        header, one, two = table.read_text().splitlines()[1:]
+        new, other = "new\tmeasured/three.npy\t", two.replace("two", "second", 1)
+        table.write_text("\n".join([header + "\tdx", new + "3 um", one, other, ""]))
+        # the page shows it by itself
+        answer = page.since(news)
+        assert "config/config.yaml and config/surfaces.tsv: changed outside this page" in answer
+        assert form_fields(answer)["rows.0.dx"] == "3 um"
+        assert [bool(row.get(study.TICKED)) for row in page.rows] == [False, True, False]
+        table.write_text(table.read_text().replace("3 um", "4 um"))
+        config.write_text(edited.replace("five", "seven"))
+        answer = page.after({"contact.mean_pressure.0": "6 MPa"})
+        assert "config/config.yaml and config/surfaces.tsv: changed outside this page" in answer
+        written = yaml.safe_load(config.read_text())
+        assert (written["report"]["title"], written["contact"]["unload"]) == ("seven", ["1 MPa"])
+        assert written["contact"]["mean_pressure"] == ["6 MPa"]
+        assert "changed outside" not in page.after({"rows.0.dy": "5 um"})
+        # rows have their numbers by the table that the page has shown
+        new, *later = (row for row in table.read_text().splitlines()[2:])
+        table.write_text("\n".join([*table.read_text().splitlines()[:2], *later, ""]))
+        answer = page.after({"rows.0.dx": "9 um", "rows.1.dx": "2 um"})
+        assert "dx is not set: its row is in the table no more" in answer
+        rows = read_table(table)[1]
+        assert [cells[0] for _, cells in rows] == ["one", "second"]
+        assert ["2 um" in cells for _, cells in rows] == [True, False]
+        # what cannot be read is kept as a file of its own
+        config.write_text("contact: {")
+        answer = page.after({"contact.mean_pressure.0": "7 MPa"})
+        assert "what was there is kept as config/config.yaml.before-page" in answer
+        assert yaml.safe_load(config.read_text())["report"]["title"] == "seven"
+
+    def test_the_cells_of_a_file_stay_while_it_is_read_again(self):
+        page = Page()
+        page.after(STUDY | {"rows.0.path": "measured/three.npy"})
+        page.reader.pool.submit(int).result()
+        assert 'name="rows.0.unit"' in page.html()
+        reading = threading.Event()
+        page.reader.pool.submit(reading.wait)
+        answer = page.after({"rows.0.dx": "1 um"})
+        reading.set()
+        assert "is read ..." in answer
+        assert 'name="rows.0.unit"' in answer
+
+    def test_a_page_looks_up_each_file_once(self, monkeypatch):
+        page, looked_up = Page(), []
+        page.after(STUDY | {"rows.1.surface": "two", "rows.1.path": "measured/two.sdf"})
+        page.reader.pool.submit(int).result()
+        find_file = measurements.find_file
+        monkeypatch.setattr(
+            measurements, "find_file", lambda path, *rest: looked_up.append(path) or find_file(path, *rest)
+        )
+        page.html()
+        assert looked_up == ["measured/one.x3p", "measured/two.sdf"]
 
     def test_columns_are_explained_by_columns_not_by_options(self, tmp_path):
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tmeasured/one.x3p\n")

@@ -4,7 +4,7 @@ import base64
 import hashlib
 import os
 import re
-from collections.abc import AsyncIterable, Sequence
+from collections.abc import AsyncIterable, Iterable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import lru_cache
 from itertools import chain, count
@@ -46,14 +46,28 @@ class Reader:
     def __init__(self) -> None:
         self.pool = ThreadPoolExecutor(1)
         self.readings: dict[str, Future[dict[str, Any]]] = {}
+        self.columns: dict[
+            str, list[str]
+        ] = {}  # that each path needed last: they stay while it is read again
 
     def inspected(self, rows: Sequence[Row]) -> list[tuple[Row, dict[str, Any]]]:
         """Return rows with what their files hold; those that are not read yet come in a while."""
+        inspections = []
         for row in rows:
-            if (key := _key(row)) not in self.readings:
+            key, path = _key(row), row.get("path", "")
+            if key not in self.readings:
                 self.readings[key] = self.pool.submit(inspect, row)
-        readings = [(row, self.readings[_key(row)]) for row in rows]
-        return [(row, reading.result() if reading.done() else UNREAD) for row, reading in readings]
+            if self.readings[key].done():
+                inspections.append((row, self.readings[key].result()))
+                self.columns[path] = inspections[-1][1]["columns"]
+            else:
+                inspections.append((row, UNREAD | {"columns": self.columns.get(path, [])}))
+        return inspections
+
+
+def unread(rows: Iterable[tuple[Row, Mapping[str, Any]]]) -> int:
+    """Return of how many rows the file has been looked at and cannot be read as it is."""
+    return sum(bool(inspection["key"]) and not inspection["map"] for _, inspection in rows)
 
 
 def _key(row: Row) -> str:

@@ -14,7 +14,7 @@ from roughcontact.study.table import columns
 
 # what the templates read of the settings, the table and the results
 _MODULES = (
-    *(commands, fields, generated, models, named_materials, outcome, plausible, rectangles),
+    *(commands, fields, generated, measurements, models, named_materials, outcome, plausible, rectangles),
     *(columns, study, units),
 )
 
@@ -26,7 +26,7 @@ class Page:
         self.texts: dict[str, str] = {}  # of the settings, by dotted names
         self.rows: list[study.Row] = []
         self.job = self.look = ""  # the question, and the row that is looked at
-        self.problem = self.added = self.saved = ""  # messages
+        self.problem = self.added = self.saved = self.changed = ""  # messages
         self.aside: dict[str, str] = {}  # loads of another question
         self.omitted: list[study.Row] = []  # rows that were left out last
         self.run, self.reader, self.checked = commands.Run(), measurements.Reader(), study.check()
@@ -34,16 +34,39 @@ class Page:
 
     def first(self) -> str:
         """Return the page of the study folder, as its files are."""
-        self.problem = ""
+        self._read()
+        return self.html()
+
+    def _read(self) -> None:
+        """Take over what the files of the study folder say."""
+        # what others write between the two is found to be new the next time
+        self.problem, self.checked = "", study.check()
         try:
             self.texts, self.rows, self.job = study.read_folder()
         except Exception as error:  # the files may be of anybody
             self.problem = study.error_in_words(error)
-        self.checked = study.check()
-        return self.html()
+
+    def _read_again(self) -> dict[int, int | None]:
+        """Take over what others have changed in the files; return where each row is now, None where gone."""
+        files, former_rows = self.checked["files"], self.rows
+        changed = [str(path) for path, text in study.contents(files).items() if text != files[path]]
+        if not changed:
+            return {}
+        self._read()
+        self.look = ""
+        self.changed = f"{' and '.join(changed)}: changed outside this page, and read again"
+        self.revision += 1
+        numbers = {row.get("surface"): number for number, row in enumerate(self.rows)}
+        places = {number: numbers.get(row.get("surface")) for number, row in enumerate(former_rows)}
+        for number, place in places.items():
+            if place is not None and former_rows[number].get(study.TICKED):
+                self.rows[place][study.TICKED] = "on"
+        return places
 
     def after(self, form: Mapping[str, str]) -> str:
         """Return the page after changes of fields, by their names, and what a button does."""
+        self.changed = ""
+        places = self._read_again()
         action, job, texts = form.get("page.do", ""), form.get("page.job", self.job), self.texts
         if job in study.JOBS and job != self.job:
             texts = study.texts_for(job, texts, self.aside)
@@ -52,7 +75,11 @@ class Page:
         texts |= {new_field: ""} if new_field else {}
         cells = defaultdict[int, study.Row](dict)
         for _, number, column in (name.split(".", 2) for name in form if name.startswith("rows.")):
-            cells[int(number)][column] = form[f"rows.{number}.{column}"]
+            place = places.get(int(number), int(number))
+            if place is None:
+                self.changed += f"; {column} is not set: its row is in the table no more"
+            else:
+                cells[place][column] = form[f"rows.{number}.{column}"]
         rows = [row | cells.pop(number, {}) for number, row in enumerate(self.rows)] + [*cells.values()]
         rows = self._rows_after(action, form, rows)
         if (texts, rows, job) != (self.texts, self.rows, self.job):
@@ -63,7 +90,7 @@ class Page:
         if action == "cancel":
             self.run.cancel()
         if action == "start":
-            if self.checked["mistakes"] or 0 < len(rows) == self.unread():
+            if self.checked["mistakes"] or 0 < len(rows) == measurements.unread(self.reader.inspected(rows)):
                 raise SettingsError("nothing is started: correct first what is listed under 4 Run")
             self.run.start()
         return self.html(more=new_field)
@@ -86,13 +113,9 @@ class Page:
             return [*rows, *returned]
         return [row | {study.TICKED: "on"} for row in rows] if action == "all" else rows
 
-    def unread(self) -> int:
-        """Return the number of files that have been looked at and cannot be read as they are."""
-        inspections = [inspection for _, inspection in self.reader.inspected(self.rows)]
-        return sum(bool(inspection["key"]) and not inspection["map"] for inspection in inspections)
-
     def since(self, news: str) -> str:
         """Return the page, or nothing where it is as it was with such `news`."""
+        self._read_again()
         return "" if news == self.news() else self.html()
 
     def news(self) -> str:
@@ -116,5 +139,5 @@ class Page:
     def filled(self, name: str, **variables: object) -> str:
         """Return one of the templates, with what all of them may need and variables of its own."""
         modules = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
-        values = modules | vars(self) | self.checked | {"unread": self.unread(), "folder": Path.cwd()}
+        values = modules | vars(self) | self.checked | {"folder": Path.cwd()}
         return template(f"{name}.html", folder=study.FOLDER).render(values | variables)

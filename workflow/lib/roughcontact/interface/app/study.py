@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import chain, count
 from pathlib import Path
@@ -72,12 +72,22 @@ def read_folder() -> tuple[dict[str, str], list[Row], str]:
         job = match[1] if (match := _JOB.match(content)) else "area"
         values = yaml.safe_load(content)
         texts = flattened(yaml.load(content, yaml.BaseLoader) | {"cases": ""})
+        texts = {_name_of_field(name): text for name, text in texts.items()}
         texts["cases"] = yaml.safe_dump(values["cases"], **_STYLE) if values.get("cases") else ""
     table = _table(values)
     header, rows = read_table(table) if table.is_file() else ([], [])
     named_cells = [zip(header, cells, strict=False) for _, cells in rows]
     # an empty cell asks for no field
     return texts, [{name: cell for name, cell in row if cell or name in REQUIRED} for row in named_cells], job
+
+
+def _name_of_field(name: str) -> str:
+    """Return how the form has a value: one for a list is its first entry, a word for a body its material."""
+    field = field_at(name.split("."))
+    if not field or not is_list(field.annotation):
+        return name
+    is_section, is_entry = bool(section_model(field)), name.rpartition(".")[2].isdecimal()
+    return name if is_section != is_entry else f"{name}.material" if is_section else f"{name}.0"
 
 
 def error_in_words(error: Exception) -> str:
@@ -142,22 +152,30 @@ def save(texts: Mapping[str, str], rows: Sequence[Row], *, job: str, keep: bool)
     return summary
 
 
+def contents(paths: Iterable[Path]) -> dict[Path, str]:
+    """Return what files hold, by their paths; an empty text where there is none."""
+    return {
+        path: path.read_text(encoding="utf-8", errors="replace") if find_file(path, ["."]) else ""
+        for path in paths
+    }
+
+
 def check() -> dict[str, Any]:
     """Return what the files hold: texts, mistakes by field, bodies with all numbers, the plan of a run."""
     config: dict[str, Any] = {}
-    report: dict[str, Any] = {"mistakes": {}, "bodies": [], "plan": None}
+    report: dict[str, Any] = {"mistakes": {}, "bodies": [], "plan": None, "files": contents([CONFIG])}
     try:
         if CONFIG.is_file():
             check_yaml(CONFIG)
             config = yaml.safe_load(CONFIG.read_text(encoding="utf-8"))
+        report["files"] |= contents([_table(config)])
         report["plan"] = Plan(*read_study(config, ["."], measured_in=["."], origin=str(CONFIG)))
     except SettingsError as error:
         for mistake in error.mistakes or (error,):
             report["mistakes"].setdefault(_field_of(mistake, config), []).append(str(mistake))
     with suppress(RoughContactError, LookupError, TypeError):  # none is stated, or one that does not exist
         report["bodies"] = named_bodies(config["contact"]["bodies"])
-    paths = [path for path in (CONFIG, _table(config)) if find_file(path, ["."])]
-    return report | {"files": {path: path.read_text(encoding="utf-8", errors="replace") for path in paths}}
+    return report
 
 
 def _field_of(mistake: SettingsError, config: Mapping[str, Any]) -> str:
