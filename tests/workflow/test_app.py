@@ -1743,6 +1743,17 @@ class TestForm:
         second = second if "layers" in bodies else {"material": "PEEK"}
         assert contact["bodies"][1] == second | {"hardness": "1 GPa"}
 
+    @pytest.mark.parametrize("values", ["{bodies: steel}", "{bodies: [], mean_pressure: []}", "3"])
+    def test_a_field_takes_the_place_of_a_value_where_a_group_belongs(self, values, tmp_path):
+        config = tmp_path / "config/config.yaml"
+        config.write_text(f"contact: {values}\n")
+        page = Page()
+        page.first()
+        bodies = {f"contact.bodies.{index}.material": "steel" for index in (0, 1)}
+        page.after(bodies | {"contact.mean_pressure.0": "6 MPa"})
+        expected = {"bodies": [{"material": "steel"}] * 2, "mean_pressure": ["6 MPa"]}
+        assert yaml.safe_load(config.read_text())["contact"] == expected
+
     def test_what_others_change_meanwhile_is_kept(self, tmp_path):
         """While the page is open both files are edited in a terminal: one field of the page changes there."""
         config, table = tmp_path / "config/config.yaml", tmp_path / "config/surfaces.tsv"

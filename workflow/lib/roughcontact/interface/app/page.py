@@ -71,8 +71,13 @@ class Page:
         if job in study.JOBS and job != self.job:
             texts = study.texts_for(job, texts, self.aside)
         self.look, new_field = form.get("page.look", self.look), form.get("page.more", "")
-        texts = texts | {name: text for name, text in form.items() if not name.startswith(("rows.", "page."))}
-        texts |= {new_field: ""} if new_field else {}
+        changes = {name: text for name, text in form.items() if not name.startswith(("rows.", "page."))}
+        changes |= {new_field: ""} if new_field else {}
+        # what stood in the place of a group or a list goes
+        groups = {
+            ".".join(name.split(".")[:end]) for name in changes for end in range(1, name.count(".") + 1)
+        }
+        texts = {name: text for name, text in texts.items() if name not in groups} | changes
         cells = defaultdict[int, study.Row](dict)
         for _, number, column in (name.split(".", 2) for name in form if name.startswith("rows.")):
             place = places.get(int(number), int(number))
