@@ -294,6 +294,22 @@ def test_a_run_holds_its_file_and_so_does_what_it_starts(folder):
         assert not lock.killed
 
 
+def test_a_signal_is_heard_while_the_scheduler_holds_its_lock():
+    """As it does while it looks after a job that has ended: the lock of Snakemake is not for two."""
+    code = """
+import os, signal
+scheduler = object.__new__(JobScheduler)
+scheduler._lock, scheduler._open_jobs = threading.Lock(), threading.Semaphore(0)
+signal.signal(signal.SIGTERM, scheduler.exit_gracefully)
+with scheduler._lock:
+    os.kill(os.getpid(), signal.SIGTERM)
+assert scheduler._open_jobs.acquire(timeout=30)
+print(scheduler._user_kill)
+"""
+    command = [sys.executable, "-c", running._SNAKEMAKE.replace("\nmain()\n", code)]
+    assert subprocess.check_output(command, text=True, timeout=60) == "graceful\n"
+
+
 def test_a_run_on_another_computer_is_named_until_the_user_says_that_it_is_gone(folder):
     (folder / ".snakemake").mkdir(parents=True)
     (folder / ".snakemake/running").write_text("node-7 4711-1700000000\n")

@@ -30,8 +30,18 @@ _DRY = re.compile(
     r"|dag|rulegraph|filegraph|d3dag)(=.*)?"
 )
 _CONFIGURATION = Path("config/config.yaml")
-# as `python -m snakemake`; looking for garbage among what it imports takes a seventh of an idle run
-_SNAKEMAKE = "import gc, sys; gc.disable(); sys.argv[0] = 'snakemake'; from snakemake.cli import main; main()"
+# as `python -m snakemake`; looking for garbage among what it imports takes a seventh of an idle run. A signal
+# to exit waits in a thread for the lock of the scheduler, which may be held where it is heard
+_SNAKEMAKE = """\
+import gc, sys, threading
+gc.disable()
+sys.argv[0] = "snakemake"
+from snakemake.cli import main
+from snakemake.scheduling.job_scheduler import JobScheduler
+exit_gracefully = JobScheduler.exit_gracefully
+JobScheduler.exit_gracefully = lambda *of: threading.Thread(target=exit_gracefully, args=of).start()
+main()
+"""
 
 
 def workflow_file() -> Path:
