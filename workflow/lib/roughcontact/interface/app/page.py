@@ -71,7 +71,8 @@ class Page:
         if job in study.JOBS and job != self.job:
             texts = study.texts_for(job, texts, self.aside)
         self.look, new_field = form.get("page.look", self.look), form.get("page.more", "")
-        changes = {name: text for name, text in form.items() if not name.startswith(("rows.", "page."))}
+        names = [name for name in form if not name.startswith(("rows.", "page."))]
+        changes = {study.name_of_field(name): form[name] for name in names}
         changes |= {new_field: ""} if new_field else {}
         # what stood in the place of a group or a list goes
         groups = {

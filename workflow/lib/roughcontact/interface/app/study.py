@@ -72,7 +72,7 @@ def read_folder() -> tuple[dict[str, str], list[Row], str]:
         job = match[1] if (match := _JOB.match(content)) else "area"
         values = yaml.safe_load(content)
         texts = flattened(yaml.load(content, yaml.BaseLoader) | {"cases": ""})
-        texts = {_name_of_field(name): text for name, text in texts.items()}
+        texts = {name_of_field(name): text for name, text in texts.items()}
         texts["cases"] = yaml.safe_dump(values["cases"], **_STYLE) if values.get("cases") else ""
     table = _table(values)
     header, rows = read_table(table) if table.is_file() else ([], [])
@@ -81,7 +81,7 @@ def read_folder() -> tuple[dict[str, str], list[Row], str]:
     return texts, [{name: cell for name, cell in row if cell or name in REQUIRED} for row in named_cells], job
 
 
-def _name_of_field(name: str) -> str:
+def name_of_field(name: str) -> str:
     """Return how the form has a value: one for a list is its first entry, a word for a body its material."""
     field = field_at(name.split("."))
     if not field or not is_list(field.annotation):
