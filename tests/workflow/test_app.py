@@ -1792,9 +1792,12 @@ class TestForm:
         rows = read_table(table)[1]
         assert [cells[0] for _, cells in rows] == ["one", "second"]
         assert ["2 um" in cells for _, cells in rows] == [True, False]
-        # what cannot be read is kept as a file of its own
-        config.write_text("contact: {")
+        # what cannot be read is kept as a file of its own, also where it was seen before
+        config.write_text(config.read_text() + "contact: {")
+        assert "is not valid YAML" in page.since("")
+        assert "is not valid YAML" in page.after({"page.look": "0"})
         answer = page.after({"contact.mean_pressure.0": "7 MPa"})
+        assert "is not valid YAML" not in answer
         assert "what was there is kept as config/config.yaml.before-page" in answer
         assert yaml.safe_load(config.read_text())["report"]["title"] == "seven"
 

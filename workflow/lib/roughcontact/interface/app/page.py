@@ -75,10 +75,12 @@ class Page:
         changes = {study.name_of_field(name): form[name] for name in names}
         changes |= {new_field: ""} if new_field else {}
         # what stood in the place of a group or a list goes
-        groups = {
-            ".".join(name.split(".")[:end]) for name in changes for end in range(1, name.count(".") + 1)
+        texts = {
+            name: text
+            for name, text in texts.items()
+            if not any(key.startswith(f"{name}.") for key in changes)
         }
-        texts = {name: text for name, text in texts.items() if name not in groups} | changes
+        texts |= changes
         cells = defaultdict[int, study.Row](dict)
         for _, number, column in (name.split(".", 2) for name in form if name.startswith("rows.")):
             place = places.get(int(number), int(number))
@@ -90,7 +92,8 @@ class Page:
         rows = self._rows_after(action, form, rows)
         if (texts, rows, job) != (self.texts, self.rows, self.job):
             self.saved = study.save(texts, rows, job=job, keep=bool(self.problem))
-        self.texts, self.rows, self.job, self.problem = texts, rows, job, ""
+            self.problem = ""
+        self.texts, self.rows, self.job = texts, rows, job
         self.checked = study.check()
         self.revision += 1
         if action == "cancel":
