@@ -68,15 +68,13 @@ def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
         return ""
     # what is compared: each end is the largest of theirs, as what leaks less along an axis may be known less
     compared = {
-        f"{totals[0]}{suffix}": np.max([numbers[f"{total}{suffix}"] for total in totals], axis=0)
+        f"{name}{suffix}": np.max([numbers[f"{result}{suffix}"] for result in results], axis=0)
+        for name, results in ((totals[0], totals), (AREA, [AREA]))
         for suffix in ENDS
-        if f"{totals[0]}{suffix}" in numbers
+        if f"{name}{suffix}" in numbers
     }
     if not compared[totals[0]][index] > 0:
         return ""
-    compared |= {
-        f"{AREA}{suffix}": numbers[f"{AREA}{suffix}"] for suffix in ENDS if f"{AREA}{suffix}" in numbers
-    }
     unit = unit_of(numbers, ALLOWED_VALUES[name].unit)
     return quantity_text(compared, totals[0], unit, index)
 

@@ -208,12 +208,12 @@ def _closing(numbers: xr.Dataset) -> str:
     loads, result = stated_loads(numbers).texts, {}
     for axis in ("x", "y"):
         first_closed = next(iter(np.flatnonzero(numbers[f"gap_percolates_{axis}"].values == 0)), len(loads))
-        between = (
-            f"between {loads[first_closed - 1]} and {loads[first_closed]}"
-            if 0 < first_closed < len(loads)
-            else ""
-        )
-        result[axis] = between or (f"not up to {loads[-1]}" if first_closed else f"at {loads[0]} already")
+        if first_closed == len(loads):
+            result[axis] = f"not up to {loads[-1]}"
+        elif first_closed:
+            result[axis] = f"between {loads[first_closed - 1]} and {loads[first_closed]}"
+        else:
+            result[axis] = f"at {loads[0]} already"
     if result["x"] == result["y"]:
         return result["x"]
     return "; ".join(f"along {axis} {text}" for axis, text in result.items())
