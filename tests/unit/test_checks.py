@@ -36,7 +36,7 @@ def test_the_table_of_checks_has_each_case_of_the_code_and_no_more():
     for module in (contact_checks, instrument_checks, map_checks):
         functions = [node for node in ast.parse(inspect.getsource(module)).body if hasattr(node, "args")]
         for node in (inner for function in functions for inner in ast.walk(function)):
-            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "judged":
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "judge":
                 function = next(whole for whole in functions if node in ast.walk(whole))
                 dictionaries = [
                     part.value

@@ -217,7 +217,7 @@ def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> li
     doubts = [{check.name: check for check in outcome.not_passed(checks)} for checks in by_load]
     reasons = []
     for check in together:
-        of_loads = {load: named[check.name] for load, named in enumerate(doubts) if check.name in named}
-        if found := outcome.not_passed([check, *of_loads.values()]):
-            reasons.append({"check": check.name, "loads": [*of_loads], "text": found[0].sentence})
+        of_loads = {load: at_load[check.name] for load, at_load in enumerate(doubts) if check.name in at_load}
+        if warnings := outcome.not_passed([check, *of_loads.values()]):
+            reasons.append({"check": check.name, "loads": [*of_loads], "text": warnings[0].sentence})
     return reasons

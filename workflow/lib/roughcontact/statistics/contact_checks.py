@@ -16,7 +16,7 @@ from roughcontact.contact.dataset import recorded_medium
 from roughcontact.statistics.conductance import knudsen_resistance_ratio
 from roughcontact.statistics.decisions import is_lifted
 from roughcontact.statistics.kinds import load_in_words, unit_of_pressures
-from roughcontact.statistics.outcome import Check, judged
+from roughcontact.statistics.outcome import Check, judge
 from roughcontact.statistics.sealing.gas import MIN_INVERSE_KNUDSEN, path_at_mean_pressure
 from roughcontact.statistics.selected_loads import Statistics
 
@@ -44,16 +44,16 @@ def convergence(statistics: Statistics) -> Check:
     """
     misses, loads = int((statistics["converged"] == 0).sum()), statistics.sizes["load"]
     facts = {"bound": statistics["error_bound"].max(), "tolerance": statistics.attrs["tolerance"]}
-    return judged("Solver", {"missed": misses}, misses=misses, loads=loads, **facts)
+    return judge("Solver", {"missed": misses}, misses=misses, loads=loads, **facts)
 
 
 def contact_points(statistics: Statistics, points: int) -> Check:
     """Check that more than a handful of the `points` of the window are in contact at every load."""
     # whole numbers again, after the share was rounded
     counts = np.rint(statistics["relative_contact_area_pixels"].values * points).astype(int)
-    few = counts < CONTACT_POINTS
-    facts = {"loads": _some_loads(few, "fewer"), "limit": CONTACT_POINTS, "least": counts.min()}
-    return judged("Points in contact", {"few": few.any()}, **facts)
+    is_sparse = counts < CONTACT_POINTS
+    facts = {"loads": _some_loads(is_sparse, "fewer"), "limit": CONTACT_POINTS, "least": counts.min()}
+    return judge("Points in contact", {"few": is_sparse.any()}, **facts)
 
 
 def overcount(statistics: Numbers) -> np.ndarray:
@@ -77,7 +77,7 @@ def resolution(statistics: Statistics) -> Check:
     is_coarse = excess > OVERCOUNT
     cases = {"flat": np.isnan(points), "coarse": is_coarse.any()}
     facts = {"loads": _some_loads(is_coarse, "the"), "excess": excess.max(), "points": points}
-    return judged("Resolution", cases, **facts)
+    return judge("Resolution", cases, **facts)
 
 
 def plasticity(statistics: Statistics) -> Check:
@@ -105,7 +105,7 @@ def _hardness_check(statistics: Statistics) -> Check:
     numbers |= {"load_share": load_share[worst], "area_share": area_share[worst]}
     words = {"loads": _loads(yields, statistics), "hardness": unit_of_pressures(statistics).text(hardness)}
     cases = {"flows": yields.any(), "elastic": True}
-    return judged("Plasticity", cases, **numbers, **words, first_yield=yield_text)
+    return judge("Plasticity", cases, **numbers, **words, first_yield=yield_text)
 
 
 def _check_by_classes(statistics: Statistics) -> Check:
@@ -124,7 +124,7 @@ def _check_by_classes(statistics: Statistics) -> Check:
     }
     loads = _loads(beyond_materials if beyond_materials.any() else flowing, statistics)
     facts = {"mean": mean.max(), "largest": largest.max(), "modulus": modulus, "if_in_mpa": 1e6 * modulus}
-    return judged("Plasticity", cases, loads=loads, limits=materials, **facts)
+    return judge("Plasticity", cases, loads=loads, limits=materials, **facts)
 
 
 def rubber_like(statistics: Numbers) -> bool:
@@ -186,7 +186,7 @@ def layers(statistics: Statistics, points: int) -> Check | None:
     pixel = float(np.prod(sides) / points) ** (1 / len(sides))
     pixels, share = medium.thinnest / pixel, medium.thickest / max(sides)
     cases = {"thin": medium.thinnest < LAYER_PIXELS * pixel, "thick": medium.thickest > max(sides)}
-    return judged("Layers", cases, medium=medium, pixels=pixels, share=share, limit=LAYER_PIXELS)
+    return judge("Layers", cases, medium=medium, pixels=pixels, share=share, limit=LAYER_PIXELS)
 
 
 def local_scale(statistics: Statistics) -> Check | None:
@@ -201,7 +201,7 @@ def local_scale(statistics: Statistics) -> Check | None:
     is_small = np.nanmax(lengths) < 2 * statistics["hertz_radius"].min()
     share = last["local_contact_area"] / (np.pi * last["hertz_radius"] ** 2)
     cases = {"holds": ratio <= _ROUGHNESS_OF_FORM and is_small}
-    return judged("Local scale", cases, ratio=ratio, share=share, last=last)
+    return judge("Local scale", cases, ratio=ratio, share=share, last=last)
 
 
 def units(statistics: Statistics) -> Check:
@@ -229,7 +229,7 @@ def units(statistics: Statistics) -> Check:
     questions = [doubt.question() for doubt in (of_modulus, *of_loads) if doubt]
     facts = {"modulus": modulus, "friction": friction, "flash": flash, "rise": rise} | temperatures
     facts |= {"doubtful": len(of_loads), "loads": loads.size, "questions": questions}
-    return judged("Units", cases, **facts, span=low if low == high else f"{low} to {high}")
+    return judge("Units", cases, **facts, span=low if low == high else f"{low} to {high}")
 
 
 def _doubtful_temperature(statistics: Statistics, rise: float) -> tuple[str, dict[str, Any]]:
@@ -284,7 +284,7 @@ def mean_free_path(statistics: Statistics) -> Check | None:
     path = _RESISTIVITY_TIMES_PATH * float((conductance / of_constriction)[is_known].max())
     increase = float(knudsen_resistance_ratio(knudsen)) - 1
     facts = {"radius": path / knudsen, "path": path, "knudsen": knudsen, "increase": increase}
-    return judged("Mean free path", {"ballistic": increase >= _BALLISTIC}, **facts)
+    return judge("Mean free path", {"ballistic": increase >= _BALLISTIC}, **facts)
 
 
 def fluid(statistics: Statistics) -> Check | None:
@@ -317,7 +317,7 @@ def fluid(statistics: Statistics) -> Check | None:
         "viscosity of a gas": viscosity < _GAS,
     }
     facts = {"pressure": pressure, "viscosity": viscosity, "knudsen": knudsen}
-    return judged("Fluid", cases, **facts, lifted=lifts.sum(), loads=lifts.size)
+    return judge("Fluid", cases, **facts, lifted=lifts.sum(), loads=lifts.size)
 
 
 def load_range(statistics: Statistics) -> Check:
@@ -333,4 +333,4 @@ def load_range(statistics: Statistics) -> Check:
     """
     full, loads = int((statistics["relative_contact_area_pixels"] == 1).sum()), statistics.sizes["load"]
     low, high = (float(f(statistics["relative_contact_area"])) for f in (np.min, np.max))
-    return judged("Load range", {"full": full == loads == 1, "all full": full == loads}, low=low, high=high)
+    return judge("Load range", {"full": full == loads == 1, "all full": full == loads}, low=low, high=high)

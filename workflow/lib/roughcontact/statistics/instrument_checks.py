@@ -16,7 +16,7 @@ from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.arguments.quantities import number, percent
 from roughcontact.io.instrument_kinds import PROBE, UNKNOWN, Kind, of_name
 from roughcontact.statistics.map_checks import Attributes
-from roughcontact.statistics.outcome import REVIEW, Check, judged
+from roughcontact.statistics.outcome import REVIEW, Check, judge
 from roughcontact.statistics.selected_loads import Statistics
 from roughcontact.surface.levelling.record import s_index
 from roughcontact.surface.roughness.traces import MAX_GRADIENT
@@ -76,7 +76,7 @@ def smoothed(window: Attributes) -> Check:
     remedies = chain.from_iterable(trace.advice.split(_OR) for trace in open_traces)
     advice = _OR.join(dict.fromkeys(remedies))
     findings = [f"{trace.finding}." for trace in open_traces or traces]
-    return judged(
+    return judge(
         "Smoothed",
         {"periodic": is_periodic, "few waves": not has_spectrum, "traces": open_traces, "stated": traces},
         findings=" ".join(findings),
@@ -92,19 +92,19 @@ def _traces(window: Attributes) -> Iterator[Check]:
     limit, pixel = _removed_below(window), window.get("pixel_pitch", 0.0)
     exponent, bend = window["spectrum_exponent"], window.get("spectrum_bend", 0.0)
     if exponent < SPECTRUM_ENDS:
-        end = window["spectrum_end"]
-        pixels = f" ({number(end / pixel, digits=2)} pixels)" if pixel else ""
-        cases = {"stated end": end <= limit, "end": True}
-        yield judged("Smoothed", cases, end=end, pixels=pixels, exponent=exponent)
+        length = window["spectrum_end"]
+        pixels = f" ({number(length / pixel, digits=2)} pixels)" if pixel else ""
+        cases = {"stated end": length <= limit, "end": True}
+        yield judge("Smoothed", cases, length=length, pixels=pixels, exponent=exponent)
     elif bend < BENT:
-        yield judged("Smoothed", {"stated bend": pixel <= limit, "bend": True}, bend=-bend)
+        yield judge("Smoothed", {"stated bend": pixel <= limit, "bend": True}, bend=-bend)
     if window["rounded_peaks"] > ROUNDED:
         radius = window["sharpest_peak_radius"]
         # half the radius: its estimate from the sharpest peaks is coarse
         is_stated = (Instrument.read(window).tip_radius or 0.0) > radius / 2
-        yield judged("Smoothed", {"stated tip": is_stated, "tip": True}, radius=radius)
+        yield judge("Smoothed", {"stated tip": is_stated, "tip": True}, radius=radius)
     if window.get("repeated_heights", 0.0) > REPEATED:  # which no setting states
-        yield judged("Smoothed", {"median filter": True})
+        yield judge("Smoothed", {"median filter": True})
 
 
 def _removed_below(window: Attributes) -> float:
@@ -128,7 +128,7 @@ def isolated_peak(statistics: Statistics, window: Attributes) -> Check:
         "only one": np.isinf(ratio_to_next),
     }
     place = {axis: window.get(f"summit_{axis}") for axis in "xy"}
-    return judged("Isolated peak", cases, over_mean=over_mean, ratio_to_next=ratio_to_next, **place)
+    return judge("Isolated peak", cases, over_mean=over_mean, ratio_to_next=ratio_to_next, **place)
 
 
 def noise(window: Attributes) -> Check:
@@ -148,7 +148,7 @@ def noise(window: Attributes) -> Check:
     # the area goes as 1 / g; the gradient of a floor can exceed the whole
     small = f"by up to {percent(1 - np.sqrt(1 - share))}" if share < 1 else "by an unknown factor"
     facts = {"share": percent(share) if share < 1 else "all", "small": small, "noise": stated_noise}
-    return judged("Noise", cases, **facts, floor=floor, exponent=window.get("top_exponent"))
+    return judge("Noise", cases, **facts, floor=floor, exponent=window.get("top_exponent"))
 
 
 def suspected_noise(window: Attributes) -> float:
@@ -219,7 +219,7 @@ def quantisation(window: Attributes) -> Check:
         "fine": not coarse_step(window),
     }
     of_height = f", {percent(step / rms_height)} of the rms height" if rms_height else ""
-    return judged("Quantisation", cases, step=step, of_height=of_height)
+    return judge("Quantisation", cases, step=step, of_height=of_height)
 
 
 def height_unit(height: Attributes, window: Attributes) -> Check:
@@ -233,7 +233,7 @@ def height_unit(height: Attributes, window: Attributes) -> Check:
         "smooth": window.get("spectrum_exponent", -np.inf) < SPECTRUM_ENDS,
         "quiet": rough < quietest,
     }
-    return judged("Height unit", cases, rough=rough, instruments=instruments, quietest=quietest)
+    return judge("Height unit", cases, rough=rough, instruments=instruments, quietest=quietest)
 
 
 def pixel_size(height: Attributes, window: Attributes) -> Check:
@@ -248,7 +248,7 @@ def pixel_size(height: Attributes, window: Attributes) -> Check:
         "lens": times,
     }
     facts = {"kind": instrument.words, "low": low, "high": high, "times": times, "camera": camera}
-    return judged("Pixel size", cases, pixel=pixel, **facts)
+    return judge("Pixel size", cases, pixel=pixel, **facts)
 
 
 def instrument_kind(height: Attributes) -> Kind:

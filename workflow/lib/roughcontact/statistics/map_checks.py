@@ -13,7 +13,7 @@ from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.lays import lay_facts
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
-from roughcontact.statistics.outcome import Check, judged
+from roughcontact.statistics.outcome import Check, judge
 from roughcontact.statistics.selected_loads import Statistics
 from roughcontact.surface.levelling.record import rejected_by_kind
 
@@ -53,7 +53,7 @@ def missing_points(statistics: Statistics, height: Attributes, attrs: Attributes
     }
     facts = {"missing": missing, "removals": removals, "fill": fill, "in_contact": in_contact}
     measured = f"{percent(missing)} of the points were not" if missing else "every point was"
-    return judged("Missing points", cases, measured=measured, **facts)
+    return judge("Missing points", cases, measured=measured, **facts)
 
 
 def outliers(statistics: Statistics, attrs: Attributes) -> Check:
@@ -75,9 +75,9 @@ def outliers(statistics: Statistics, attrs: Attributes) -> Check:
     if removals == 1:
         they, was, noun, lie, are = "it", "was", "an outlier", "it lies", "it is an error"
     noun += f" ({kinds})" if kinds else ""
-    most = " at most" if statistics.sizes["load"] > 1 else ""
-    facts = {"points": counted_noun(removals, "point"), "share": share, "most": most}
-    return judged("Outliers", cases, they=they, was=was, noun=noun, lie=lie, are=are, **facts)
+    at_most = " at most" if statistics.sizes["load"] > 1 else ""
+    facts = {"points": counted_noun(removals, "point"), "share": share, "at_most": at_most}
+    return judge("Outliers", cases, they=they, was=was, noun=noun, lie=lie, are=are, **facts)
 
 
 def scan_lines(attrs: Attributes, statistics: Statistics | None = None) -> Check:
@@ -98,7 +98,7 @@ def scan_lines(attrs: Attributes, statistics: Statistics | None = None) -> Check
         "small": is_small,
         "aligned": is_aligned,
     }
-    return judged("Scan lines", cases, shift=shift, alignment=alignment)
+    return judge("Scan lines", cases, shift=shift, alignment=alignment)
 
 
 def _lay_along_rows(statistics: Statistics) -> bool:
@@ -122,7 +122,7 @@ def form(attrs: Attributes, window: Attributes) -> Check | None:
         return None
     is_fitted = attrs.get("form") in ("polynomial", "sphere", "cylinder")
     cases = {"small": share <= FORM, "counted twice": is_added, "came back": is_fitted}
-    return judged("Form", cases, share=share)
+    return judge("Form", cases, share=share)
 
 
 def periodicity(window: Attributes) -> Check:
@@ -133,16 +133,17 @@ def periodicity(window: Attributes) -> Check:
     >>> periodicity({"periodisation": "none"}).sentence
     'The window was periodic already: nothing was changed.'
     """
-    before, after = (window.get(f"rms_gradient_{when}", 0.0) for when in ("before", "after"))
+    gradient_before = window.get("rms_gradient_before", 0.0)
+    gradient_after = window.get("rms_gradient_after", 0.0)
     # a correction, and waves removed afterwards, on request, are not due to periodisation
     removed_gradient = window.get("band_removed_rms_gradient", 0.0)
-    after = float(window.get("rms_gradient_uncorrected", np.hypot(after, removed_gradient)))
-    change = after / before - 1 if before > 0 else 0.0
+    gradient_after = float(window.get("rms_gradient_uncorrected", np.hypot(gradient_after, removed_gradient)))
+    change = gradient_after / gradient_before - 1 if gradient_before > 0 else 0.0
     relative = window.get("periodisation_relative_change", 0.0)
     method = window.get("periodisation", "none")
     steeper, moved = abs(change) > GRADIENT_CHANGE, relative > HEIGHT_CHANGE
     cases = {"periodic": method == "none", "both": steeper and moved, "gradient": steeper, "heights": moved}
-    return judged("Periodic window", cases, method=method, relative=relative, change=change)
+    return judge("Periodic window", cases, method=method, relative=relative, change=change)
 
 
 def window_share(window: Attributes) -> Check:
@@ -154,7 +155,7 @@ def window_share(window: Attributes) -> Check:
     'The solved window covers 81.0 % of the measured map.'
     """
     share = window.get("window_share", 1.0)
-    return judged("Window", {"cropped": share < WINDOW_SHARE}, share=share)
+    return judge("Window", {"cropped": share < WINDOW_SHARE}, share=share)
 
 
 def faces(attrs: Attributes, window: Attributes) -> Check | None:
@@ -179,7 +180,7 @@ def faces(attrs: Attributes, window: Attributes) -> Check | None:
     too_large = np.sqrt(2 / (1 + ratio**-0.4)) - 1
     pixels = " and ".join(quantity(float(pitch), "m") for pitch in pitches)
     cases = {"far too coarse": far_too_coarse, "too coarse": too_coarse, "too small": share < FACE_SHARE}
-    return judged("Faces", cases, pixels=pixels, limit=limit, too_large=too_large, share=share)
+    return judge("Faces", cases, pixels=pixels, limit=limit, too_large=too_large, share=share)
 
 
 def longest_wave(statistics: Statistics) -> Check:
@@ -188,7 +189,7 @@ def longest_wave(statistics: Statistics) -> Check:
     # a profile has a length alone
     side = float(np.nanmin([float(statistics[f"window_length_{axis}"]) for axis in "xy"]))
     cases = {"flat": np.isnan(length), "short": side < LENGTHS * length}
-    return judged("Longest wave", cases, lengths=side / length)
+    return judge("Longest wave", cases, lengths=side / length)
 
 
 def sample(statistics: Statistics) -> Check:
@@ -203,7 +204,7 @@ def sample(statistics: Statistics) -> Check:
     flag, advice = (statistics.attrs.get(f"window_{name}") for name in ("flag", "advice"))
     cases = {"not in the budget": flag is None, "flagged": flag}
     finding = (flag or "").removesuffix(advice or "").rstrip()
-    return judged("Sample", cases, finding=finding, advice=advice or "")
+    return judge("Sample", cases, finding=finding, advice=advice or "")
 
 
 def lay(statistics: Statistics, window: Attributes) -> Check | None:
@@ -216,7 +217,7 @@ def lay(statistics: Statistics, window: Attributes) -> Check | None:
     has_both = not is_stated and "relative_contact_area_if_isotropic" in statistics
     names = ("relative_contact_area", "relative_contact_area_if_isotropic") if has_both else ()
     areas = [", ".join(map(percent, statistics[name].values)) for name in names]
-    return judged(
+    return judge(
         "Lay",
         {"warnings": warnings, "statement": statement, "both areas": has_both},
         warnings=" ".join(warnings),
@@ -237,7 +238,7 @@ def band(window: Attributes) -> Check:
     shortest, reliable = (window.get(name, 0.0) for name in ("band_shortest", "reliable_wavelength"))
     reason = window.get("reliable_reason", "two pixels")
     cases = {"unknown": reason == "two pixels", "reliable": shortest >= reliable * (1 - 1e-6)}
-    return judged("Band", cases, shortest=shortest, reason=reason, reliable=reliable)
+    return judge("Band", cases, shortest=shortest, reason=reason, reliable=reliable)
 
 
 def slope(statistics: Statistics) -> Check:
@@ -255,7 +256,7 @@ def slope(statistics: Statistics) -> Check:
         "rough": gradient > rough,
         "approximate": gradient > approximate,
     }
-    return judged("Slopes", cases, gradient=gradient)
+    return judge("Slopes", cases, gradient=gradient)
 
 
 def steep_places(window: Attributes) -> Check:
@@ -268,7 +269,7 @@ def steep_places(window: Attributes) -> Check:
     """
     share, threshold = window.get("steepest_share", 0.0), window.get("outlier_threshold")
     cases = {"few": share <= STEEP_PLACES, "without spikes": threshold}
-    return judged("Steep places", cases, share=share, threshold=threshold)
+    return judge("Steep places", cases, share=share, threshold=threshold)
 
 
 def reading(height: Attributes, attrs: Attributes) -> Check:
@@ -287,4 +288,4 @@ def reading(height: Attributes, attrs: Attributes) -> Check:
     )
     facts = {*json_attribute(height, "ingest_facts"), *spikes}
     cases = {"nothing": not warnings, "facts": facts.issuperset(warnings)}
-    return judged("Reading the file", cases, text=text)
+    return judge("Reading the file", cases, text=text)

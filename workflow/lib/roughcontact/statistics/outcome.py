@@ -78,7 +78,7 @@ def _with_parts(sentence: str, parts: Mapping[str, str]) -> str:
 _CASES = _cases()
 
 
-def judged(name: str, cases: Mapping[str, object], /, **facts: Any) -> Check:
+def judge(name: str, cases: Mapping[str, object], /, **facts: Any) -> Check:
     """Return a check by the first of its `cases` in `checks.tsv` that holds, "" where none does.
 
     Parameters
@@ -96,7 +96,7 @@ def judged(name: str, cases: Mapping[str, object], /, **facts: Any) -> Check:
 
     Examples
     --------
-    >>> judged("Window", {"cropped": False}, share=0.81).sentence
+    >>> judge("Window", {"cropped": False}, share=0.81).sentence
     'The solved window covers 81.0 % of the measured map.'
     """
     case = next((case for case, holds in cases.items() if holds), "")
