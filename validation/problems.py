@@ -52,7 +52,7 @@ class Solution:
 
     def compliance(self, tolerance: float) -> float:
         """Return -d(mean gap)/d(mean pressure) of this contact set."""
-        return linear_response(self.touching, self.pixel, HALF_SPACE, tolerance)
+        return linear_response(self.touching, self.pixel, HALF_SPACE, tolerance)[0]
 
 
 def solve(height: xr.DataArray, loads: Sequence[float], tolerance: float) -> list[Solution]:

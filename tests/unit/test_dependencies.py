@@ -15,16 +15,15 @@ from roughcontact.study import dependencies, readers
 
 ROOT = Path(__file__).parents[2]
 PAGES = {"panel", "report"}
-SOLVERS = {"contact", "panel", "slide", "unload", "wear"}  # the report of all surfaces reads what is stored
+SOLVERS = {"contact", "panel", "course", "unload"}  # the report of all surfaces reads what is stored
 READERS = {"prepare", "contact"}
 UNITS = {*READERS, "panel"}
-WINDOWS = {*UNITS, "superpose", "slide", "wear"}
+WINDOWS = {*UNITS, "superpose", "course"}
 KERNELS = {
     "contact",
     "panel",
-    "slide",
+    "course",
     "unload",
-    "wear",
     "prepare",
     "superpose",
     "report",
@@ -90,8 +89,8 @@ def digests(workflow):
         ("lib/roughcontact/arguments/tables.tsv", PAGES),  # words
         ("lib/roughcontact/arguments/settings/models.py", set()),
         ("lib/roughcontact/evaluation/pipeline.py", {"contact"}),
-        ("lib/roughcontact/uncertainty/calibration.json", {"contact", "panel", "report", "slide", "wear"}),
-        ("scripts/_window.py", {"prepare", "superpose", "slide", "wear"}),
+        ("lib/roughcontact/uncertainty/calibration.json", {"contact", "panel", "report", "course"}),
+        ("scripts/_window.py", {"prepare", "superpose", "course"}),
     ],
 )
 def test_an_edit_concerns_what_imports_the_module(package, edited, concerned):

@@ -160,7 +160,7 @@ def test_the_stiffness_lies_between_the_differences_of_the_gap(bodies, influence
     pair = recorded_medium(contact.attrs)
     modulus = float(contact["contact_modulus"])
     stiffness = [
-        1 / linear_response(contact_set, spacing(height), Elasticity(modulus, influence, pair), 1e-5)
+        1 / linear_response(contact_set, spacing(height), Elasticity(modulus, influence, pair), 1e-5)[0]
         for contact_set in touching
     ]
     between = np.diff(loads)[0] / -np.diff(gaps)[0]

@@ -184,55 +184,35 @@ rule unload:
         "../scripts/unload.py"
 
 
-rule wear:
-    """Let the face slide against a smooth one: the worn surfaces, and the contact over the distance."""
-    input:
-        sources=sources_of("wear"),
-        levelled=file_of("levelled"),
-        window=file_of("window"),
-        contact=file_of("contact"),
-    output:
-        worn="results/{result}/worn.nc",
-    log:
-        "logs/{result}/wear.log",
-    wildcard_constraints:
-        result=pattern_of("wear"),
-    priority: 1  # the panel waits for it
-    conda:
-        "../envs/roughcontact.yaml"
-    threads: threads_of()
-    resources:
-        **resources_of("wear"),
-    params:
-        **params_of("wear"),
-    script:
-        "../scripts/wear.py"
+# what follows the contact in a run: the surfaces that sliding against a smooth face leaves, and the friction of rubber
+for RULE in ("wear", "slide"):
 
-
-rule slide:
-    """Let rubber slide over the face: its friction and its contact over the speed."""
-    input:
-        sources=sources_of("slide"),
-        levelled=file_of("levelled"),
-        window=file_of("window"),
-        overview=file_of("overview"),
-        contact=file_of("contact"),
-    output:
-        sliding="results/{result}/sliding.nc",
-    log:
-        "logs/{result}/slide.log",
-    wildcard_constraints:
-        result=pattern_of("slide"),
-    priority: 1  # the panel waits for it
-    conda:
-        "../envs/roughcontact.yaml"
-    threads: threads_of()
-    resources:
-        **resources_of("slide"),
-    params:
-        **params_of("slide"),
-    script:
-        "../scripts/slide.py"
+    rule:
+        """Let a smooth face, or rubber, slide over the face: its contact over the distance, or over the speed."""
+        name:
+            RULE
+        input:
+            sources=sources_of(RULE),
+            levelled=file_of("levelled"),
+            window=file_of("window"),
+            overview=file_of("overview"),
+            contact=file_of("contact"),
+        output:
+            f"results/{{result}}/{STAGES[RULE][0]}.nc",
+        log:
+            f"logs/{{result}}/{RULE}.log",
+        wildcard_constraints:
+            result=pattern_of(RULE),
+        priority: 1  # the panel waits for it
+        conda:
+            "../envs/roughcontact.yaml"
+        threads: threads_of()
+        resources:
+            **resources_of(RULE),
+        params:
+            **params_of(RULE),
+        script:
+            "../scripts/course.py"
 
 
 # files that only some studies have

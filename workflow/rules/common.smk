@@ -15,7 +15,7 @@ from roughcontact.study.records import (
 )
 from roughcontact.study.rule_arguments import RuleArguments
 from roughcontact.study.places import check_places, find_file, stale_results
-from roughcontact.study.plan import Plan
+from roughcontact.study.plan import STAGES, Plan
 from roughcontact.study.study import read_study
 from roughcontact.study.yaml_text import check_yaml
 from roughcontact.errors import SettingsError

@@ -134,7 +134,7 @@ def partial_slip(
             row["dissipated_energy"] = 4 * friction**2 * compliance * slip_volume
             row["tangential_stiffness"] = 0.0  # of full slip
             if stick.any():
-                response = linear_response(stick, spacing(height), elasticity, threads=threads)
+                response = linear_response(stick, spacing(height), elasticity, threads=threads)[0]
                 row["tangential_stiffness"] = 1 / (compliance * response) if response > 0 else math.inf
         rows.append(xr.Dataset(row, coords=height.coords))
     slip = xr.concat(rows, dim=xr.Variable("tangential_load", shares), coords="minimal", compat="override")

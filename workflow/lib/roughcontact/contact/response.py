@@ -19,44 +19,24 @@ def linear_response(
     tolerance: float = 1e-2,
     *,
     yielding: np.ndarray | None = None,
-    threads: int = 1,
-) -> float:
-    """Return -d mean_gap / d mean_pressure (m/Pa) of a contact set (ny, nx; bool): inverse stiffness.
-
-    Barber (2003), Proc. R. Soc. A 459, 53. An increment x of mean 1 on the contact set leaves no gap there, G
-    x = s; s = <x, G x> is the least energy of all such increments, with an error of second order in
-    `tolerance`, that of x in the energy norm. Points of `yielding` carry the hardness, and x is zero there:
-    their overlap grows by s - G x, the mean of which over the window is taken off, with an error of first
-    order. 0 for full contact.
-    """
-    return _response(contact, spacing, elasticity, tolerance, yielded=yielding, threads=threads)[0]
-
-
-def certified_response(
-    contact: np.ndarray, spacing: tuple[float, float], elasticity: Elasticity, tolerance: float = 1e-2
-) -> tuple[float, float]:
-    """Return the linear response (m/Pa) of a contact set, and a proven bound of its relative error.
-
-    x differs from the exact increment by e, which has no mean and is zero outside the contact: s is too large
-    by ||e||_G^2 = <e, G x - c>, with any constant c, at most ||r||_{G^-1}^2 of any field r that is G x - c on
-    the contact. r is its interpolation, from a fresh application of G; the rounding is added.
-    """
-    return _response(contact, spacing, elasticity, tolerance, certify=True)
-
-
-def _response(
-    contact: np.ndarray,
-    spacing: tuple[float, float],
-    elasticity: Elasticity,
-    tolerance: float,
-    *,
-    yielded: np.ndarray | None = None,
     certify: bool = False,
     threads: int = 1,
 ) -> tuple[float, float]:
-    """Return a linear response (m/Pa), and the bound of its relative error, NaN where it is not certified."""
+    """Return -d mean_gap / d mean_pressure (m/Pa) of a contact set (ny, nx; bool), and its relative error.
+
+    It is the inverse stiffness (Barber 2003, Proc. R. Soc. A 459, 53). An increment x of mean 1 on the
+    contact set leaves no gap there, G x = s; s = <x, G x> is the least energy of all such increments, with an
+    error of second order in `tolerance`, that of x in the energy norm. Points of `yielding` carry the
+    hardness, and x is zero there: their overlap grows by s - G x, the mean of which over the window is taken
+    off, with an error of first order. 0 for full contact.
+
+    The error is a proven bound where it is to `certify` that nothing yields, else NaN. x differs from the
+    exact increment by e, which has no mean and is zero outside the contact: s is too large by ||e||_G^2 =
+    <e, G x - c>, with any constant c, at most ||r||_{G^-1}^2 of any field r that is G x - c on the contact. r
+    is its interpolation, from a fresh application of G; the rounding is added.
+    """
     touching = np.asarray(contact, dtype=bool)
-    contact = touching if yielded is None else touching & ~yielded
+    contact = touching if yielding is None else touching & ~yielding
     if not contact.any():
         raise ValueError(
             "no point in contact is elastic: the response of an empty contact set has no meaning"
@@ -86,20 +66,19 @@ def _response(
         energy_lower_bound = energy - mean_product(residual, correction)  # <x - d, G (x - d)>
         if rz <= tolerance**2 * energy_lower_bound or step == MAX_STEPS:
             break
-    if certify:
+    response, bound = energy_lower_bound, np.nan
+    if certify or yielding is not None:
         del residual, steps
-        correction -= contact.astype(precision) * correction.dtype.type(1 / contact.mean())  # now -x
+        correction -= contact * correction.dtype.type(1 / contact.mean())  # now -x
         dent = grid.halfspace.displacement(correction)
-        energy = mean_product(correction, dent)
+    if yielding is not None:
+        response -= float((response + dent[yielding]).sum(dtype=float)) / yielding.size
+    elif certify:
+        response = mean_product(correction, dent)
         dent -= dent[contact].mean(dtype=float)
         dent *= contact
         extension = grid.interpolator(precision)
         extension.prolong(dent, extension.field)
-        remainder = grid.halfspace.pressure_spectrum(extension.field)[1]
         rounding = float(np.finfo(precision).eps) * np.log2(contact.size)  # of two transforms
-        return energy * unit / elasticity.modulus, float(remainder / energy + rounding)
-    if yielded is not None and yielded.any():
-        even = contact * correction.dtype.type(1 / contact.mean())
-        dent = grid.halfspace.displacement(even - correction)
-        energy_lower_bound -= float((energy_lower_bound - dent[yielded]).sum(dtype=float)) / yielded.size
-    return energy_lower_bound * unit / elasticity.modulus, np.nan
+        bound = float(grid.halfspace.pressure_spectrum(extension.field)[1] / response + rounding)
+    return response * unit / elasticity.modulus, bound

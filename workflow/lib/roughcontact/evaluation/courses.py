@@ -58,8 +58,8 @@ from roughcontact.uncertainty.subwindows import divided, relevelled
 DISTANCE = "running_in_distance"
 WORN = (AREA, PRESSURE, PEAK, GAP, CONDUCTANCE, DISTANCE)
 SLID = (FRICTION, AREA, PRESSURE, PEAK, GAP)
-TOLERANCE = 0.02  # of the worn heights, over their rms
-FEW_STEPS: dict[str, Any] = {"tolerance": 2 * TOLERANCE, "solver_tolerance": 1e-3}
+# of a part: the tolerance is twice that of the face
+FEW_STEPS: dict[str, Any] = {"tolerance": 0.04, "solver_tolerance": 1e-3}
 _ANSWERS_ALONE = {"flow": "never", "stress": "never"}  # statistics of a part
 COARSE = 1e-3  # tolerance of sliding over a part
 _OF_THE_CONTACT = ("contact_modulus", "bodies", "hardness", "influence", "zero_frequency")
@@ -87,7 +87,7 @@ def worn_in_a_run(face: Face, settings: Sections, *, mean_pressure: float, threa
     arguments |= {key: contact[key] for key in _OF_THE_CONTACT} | {"mean_pressure": mean_pressure}
     run: Run = partial(run_in, threads=threads, **arguments)
     coarse = partial(run, statistics=_ANSWERS_ALONE, **FEW_STEPS)
-    worn = run(face.window, tolerance=TOLERANCE, statistics=settings["statistics"])
+    worn = run(face.window, statistics=settings["statistics"])
     causes = causes_of_parts(face, coarse, WORN, settings)
     if "solver" in settings["uncertainty"]["sources"]:
         of_steps = on_scales(coarse(face.window), WORN) - on_scales(worn, WORN)
@@ -259,3 +259,6 @@ def causes_of_places(face: Face, run: Run, names: Iterable[str]) -> list[Compone
         components_of(combination.one_sided, xr.concat(changes, "place").mean("place", skipna=False)),
         components_of(symmetric, scatter_of_mean(changes)),
     ]
+
+
+COURSES = {"wear": worn_in_a_run, "sliding": slid_in_a_run}  # by the sections of their settings

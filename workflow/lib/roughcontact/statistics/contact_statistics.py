@@ -22,7 +22,7 @@ from roughcontact.contact.dataset import carrying, joined, recorded_elasticity, 
 from roughcontact.contact.elasticity.energy import elastic_energy
 from roughcontact.contact.elasticity.influence import Elasticity
 from roughcontact.contact.elasticity.media import elastic_medium
-from roughcontact.contact.response import certified_response, linear_response
+from roughcontact.contact.response import linear_response
 from roughcontact.errors import SettingsError
 from roughcontact.kernels.waves import wave_power
 from roughcontact.statistics import conductance, densities, subsurface, theory
@@ -637,7 +637,9 @@ def _one_load(
         "pressure_std": spread,
         "mean_gap": mean_gap,
         **_stiffness(touching, at_hardness, steps, elasticity),
-        **{name: _inverse(linear_response(touching, steps, bodies)) for name, bodies in conducting.items()},
+        **{
+            name: _inverse(linear_response(touching, steps, bodies)[0]) for name, bodies in conducting.items()
+        },
         **passage,
         **of_map,
         "patch_area_density": density(patches, edges["patch"]),
@@ -653,7 +655,7 @@ def _stiffness(
 ) -> dict[str, float]:
     """Return the stiffness of a contact as an elastic one, and that of further loading where points yield."""
     # certified, because conductance is this number
-    compliance, bound = certified_response(touching, steps, elasticity)
+    compliance, bound = linear_response(touching, steps, elasticity, certify=True)
     elastic = _inverse(compliance)
     columns = {"contact_stiffness": elastic, "conductance_error_bound": bound}
     if at_hardness is None:
@@ -661,7 +663,8 @@ def _stiffness(
     if not at_hardness.any():
         loading = elastic
     elif (touching & ~at_hardness).any():
-        loading = _inverse(linear_response(touching, steps, elasticity, _OF_LOADING, yielding=at_hardness))
+        compliance, _ = linear_response(touching, steps, elasticity, _OF_LOADING, yielding=at_hardness)
+        loading = _inverse(compliance)
     else:  # further load is carried by points that do not touch yet
         loading = np.nan
     return columns | {"loading_stiffness": loading}

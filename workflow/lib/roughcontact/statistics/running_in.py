@@ -22,10 +22,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.bodies import check_bodies
 from roughcontact.arguments.checking import check_applies, check_positive
 from roughcontact.arguments.choices import Influence, ZeroFrequency
 from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import number, quantity
 from roughcontact.arguments.si import as_si
 from roughcontact.arguments.stacks import top_material
@@ -59,6 +59,8 @@ class _Worn(NamedTuple):
 
     distance: float
     contact: xr.Dataset  # at one load
+    energy: float  # upper bound of Phi, Pa m
+    missing: float  # bound of the error of the pressure, in the norm of G
     squared_error: float = 0.0  # bound of the mean square of the error of the heights, m2
 
 
@@ -154,30 +156,26 @@ def run_in(
             keys=["wear_coefficient"],
         )
     wear = check_positive("wear_coefficient", wear_coefficient, unit="1/Pa")
-    given = np.ravel(np.asarray(sliding_distance, dtype=object)).tolist()
-    distances = [0.0 if d == 0 else check_positive("sliding_distance", d, unit="m") for d in given]
+    numbers = np.ravel(np.asarray(sliding_distance, dtype=object)).tolist()
+    distances = [0.0 if d == 0 else check_positive("sliding_distance", d, unit="m") for d in numbers]
     if not distances or distances != sorted({*distances}):
         raise SettingsError(
-            f"sliding_distance = {given}: give one or more, each once, in rising order, from 0 on",
+            f"sliding_distance = {numbers}: give one or more, each once, in rising order, from 0 on",
             keys=["sliding_distance"],
         )
     if not tolerance > 0:
         raise SettingsError(f"tolerance = {tolerance:g}: give a number above 0, of the rms height")
     load = check_positive("mean_pressure", mean_pressure, unit="Pa")
     options: dict[str, Any] = {"contact_modulus": contact_modulus, "bodies": bodies, "hardness": hardness}
-    options |= {"influence": influence, "zero_frequency": zero_frequency}
-    # the parameters of worn faces are of the window, not of the levelled map
-    window = own_parameters(window)
-    first = solve_contact(window, **options, mean_pressure=load, tolerance=solver_tolerance, threads=threads)
     solver: dict[str, Any] = {"tolerance": solver_tolerance, "zero_frequency": zero_frequency}
-    solve = partial(contact_from, load=load, threads=threads, **solver)
-    faces = worn_faces(first, Archard(wear, elasticity(**options), solve), distances, tolerance=tolerance)
-    checked_bodies = check_bodies(bodies) if bodies else []
+    options, solver = options | {"influence": influence}, solver | {"threads": threads}
+    # the parameters of worn faces are of the window, not of the levelled map
+    first = solve_contact(own_parameters(window), **options, mean_pressure=load, **solver)
+    law = Archard(wear, elasticity(**options), partial(contact_from, load=load, **solver))
+    checked_bodies = json_attribute(first.attrs, "bodies")
     rows, areas = [], []
-    for steps, worn in enumerate(faces):
-        contact = worn.contact.assign_attrs(first.attrs)
-        depth = first["height"].values - contact["height"].values
-        lost = float(depth.max())
+    for steps, worn in enumerate(worn_faces(first, law, distances, tolerance=tolerance)):
+        lost = float((first["height"] - worn.contact["height"]).max())
         for which, body in zip(("first", "second"), checked_bodies, strict=False):  # either may have the face
             if lost >= (thickness := top_material(body).get("thickness", math.inf)):
                 raise SettingsError(
@@ -186,14 +184,15 @@ def run_in(
                     f"{quantity(thickness, 'm')} thick; give shorter distances",
                     keys=["sliding_distance"],
                 )
-        areas.append((worn.distance, relative_contact_area(contact["pressure"].values[0] > 0)))
+        areas.append((worn.distance, relative_contact_area(worn.contact["pressure"].values[0] > 0)))
         if worn.distance in distances:
+            contact = worn.contact.assign_attrs(first.attrs)
             counted = contact_statistics(contact, **{"bodies": bodies, **(statistics or {})}).isel(load=0)
-            numbers = {"height": contact["height"].drop_attrs(), "worn_volume": float(depth.mean())}
-            numbers |= {"max_worn_depth": lost, "time_error_bound": math.sqrt(worn.squared_error)}
-            numbers |= {"wear_steps": steps}
-            rows.append(counted.drop_dims([*counted.dims]).reset_coords(drop=True).assign(numbers))
+            further = {"height": contact["height"].drop_attrs(), "max_worn_depth": lost, "wear_steps": steps}
+            further |= {"time_error_bound": math.sqrt(worn.squared_error)}
+            rows.append(counted.drop_dims([*counted.dims]).reset_coords(drop=True).assign(further))
     along = xr.concat(rows, xr.Variable("sliding_distance", distances))
+    along["worn_volume"] = (first["height"] - along["height"]).mean(("y", "x")).drop_attrs()
     return describe(along.assign(running_in_distance=running_in_distance(*np.transpose(areas))))
 
 
@@ -213,73 +212,64 @@ def worn_faces(
     _Worn
         whose distances rise from 0.
     """
-    worn, height = _Worn(0.0, contact), contact["height"]
-    yield worn
-    rms_height, spread = float(height.std()), float(contact["pressure"].values.std())
+    yield (worn := _Worn(0.0, contact, *_energy(contact, contact["pressure"].values[0], law.material)))
+    height, spread = contact["height"], float(contact["pressure"].values.std())
+    rms_height = float(height.std())
     is_flat = rms_height <= _ROUNDING * float(abs(height).max())  # and is worn evenly by any step
     allowed = math.inf if is_flat else (tolerance * rms_height) ** 2
     first_step = 2 * math.sqrt(FIRST_SHARE * allowed) / (law.coefficient * spread) if spread > 0 else math.inf
     length = first_step = min(first_step, distances[-1])
     for end in distances:
-        while worn.distance < end:
-            step = min(length, end - worn.distance)
+        while (start := worn.distance) < end:
+            step = min(length, end - start)
             worn_after = _step(worn, law, step)
-            part = FIRST_SHARE
-            if worn.distance > 0:
-                part = math.log1p(step / worn.distance) / math.log(distances[-1] / worn.distance)
+            part = math.log1p(step / start) / math.log(distances[-1] / start) if start else FIRST_SHARE
             share = part * (allowed - worn.squared_error)
             growth = worn_after.squared_error - worn.squared_error
             factor = min(SAFETY * math.sqrt(share / growth), MAX_GROWTH) if growth > 0 else MAX_GROWTH
-            if growth > share:
-                length = factor * step
-                if length < SHORTEST * first_step:
-                    raise ConvergenceError(
-                        f"after {worn.distance:g} m the solver leaves more open than the tolerance allows; "
-                        f"give a smaller solver_tolerance, or a larger tolerance than {tolerance:g}"
-                    )
-                continue
             # a step that was cut short to end at a distance says nothing against a longer one
-            length = factor * step if step == length else max(length, factor * step)
-            worn = worn_after._replace(distance=end) if step == end - worn.distance else worn_after
-            yield worn
+            was_cut = step < length and growth <= share
+            length = max(length, factor * step) if was_cut else factor * step
+            if length < SHORTEST * first_step:
+                raise ConvergenceError(
+                    f"after {start:g} m the solver leaves more open than the tolerance allows; "
+                    f"give a smaller solver_tolerance, or a larger tolerance than {tolerance:g}"
+                )
+            if growth <= share:
+                worn = worn_after._replace(distance=end) if step == end - start else worn_after
+                yield worn
 
 
 def _step(worn: _Worn, law: Archard, step: float) -> _Worn:
     """Return the face after an implicit step (m) of Archard's law."""
     material, depth = law.material, law.coefficient * step  # by pressure, m/Pa
-    series = replace(material, foundation=depth * material.modulus)
     height, last_pressure = worn.contact["height"], worn.contact["pressure"].values[0]
+    series = replace(material, foundation=depth * material.modulus)
     pressure = law.solve(height, series, last_pressure)["pressure"].values[0]
     lost = depth * pressure
     contact = law.solve(height - lost, material, pressure)
     # whatever the solver left open, the pressure of the step is a subgradient of Phi at h' up to the
     # difference of Phi and its own energy, and that counts twice: as an error of the step, and in D
-    of_step = contact.assign(pressure=(contact["pressure"].dims, pressure[None]), error_bound=0.0)
-    energies = [_energy(state, material) for state in (worn.contact, contact, of_step)]
-    (energy, missing), (energy_after, _), (own_energy, _) = energies
-    change = _norm(last_pressure - pressure, height, material) - missing
-    change -= math.sqrt(2 * max(energy_after - own_energy, 0.0))
-    growth = depth * (energy + energy_after - 2 * own_energy - CONVEXITY * max(change, 0.0) ** 2)
-    growth -= float(np.var(lost))
-    return _Worn(worn.distance + step, contact, worn.squared_error + max(growth, 0.0))
+    energy, missing = _energy(contact, contact["pressure"].values[0], material)
+    own_energy, _ = _energy(contact.assign(error_bound=0.0), pressure, material)
+    change = math.sqrt(2 * elastic_energy(last_pressure - pressure, spacing(height), material)) - worn.missing
+    change -= math.sqrt(2 * max(energy - own_energy, 0.0))
+    growth = depth * (worn.energy + energy - 2 * own_energy - CONVEXITY * max(change, 0.0) ** 2)
+    squared_error = worn.squared_error + max(growth - float(np.var(lost)), 0.0)
+    return _Worn(worn.distance + step, contact, energy, missing, squared_error)
 
 
-def _energy(contact: xr.Dataset, material: Elasticity) -> tuple[float, float]:
-    """Return an upper bound of Phi (Pa m) by the pressure of a contact, and its error in the norm of G.
+def _energy(contact: xr.Dataset, pressure: np.ndarray, material: Elasticity) -> tuple[float, float]:
+    """Return an upper bound of Phi (Pa m) by a pressure with the error of a contact, that in the norm of G.
 
     Of a pressure without an error the bound is its own energy.
     """
-    height, pressure = contact["height"].values, contact["pressure"].values[0]
+    height = contact["height"].values
     # both about their means: what all points lose alike is no error of a step
     work = np.mean((pressure - pressure.mean()) * (height - height.mean()))
-    size = _norm(pressure, contact["height"], material)
+    size = math.sqrt(2 * elastic_energy(pressure, spacing(contact["height"]), material))
     missing = contact["error_bound"].item() * size
     return float(work) - (size**2 - missing**2) / 2, missing
-
-
-def _norm(pressure: np.ndarray, height: xr.DataArray, material: Elasticity) -> float:
-    """Return the norm of G of a pressure (Pa) on a face, whose square is twice the elastic energy."""
-    return math.sqrt(2 * elastic_energy(pressure, spacing(height), material))
 
 
 def running_in_distance(distances: np.ndarray, areas: np.ndarray) -> float:
@@ -295,13 +285,12 @@ def running_in_distance(distances: np.ndarray, areas: np.ndarray) -> float:
     >>> print(f"{running_in_distance(np.array([0, 1, 2, 4, 8, 16]), areas):.2f}")
     3.59
     """
-    logarithm, area = np.log(distances[distances > 0]), areas[distances > 0]
-    doubling = math.log(2)
-    if not logarithm.size or logarithm[-1] - doubling < logarithm[0]:
-        return math.nan
+    logarithm, area, doubling = np.log(distances[distances > 0]), areas[distances > 0], math.log(2)
     # linear between the ends of steps, and half of those
-    starts = np.unique(np.concatenate([logarithm, logarithm - doubling]))
-    starts = starts[(starts >= logarithm[0]) & (starts <= logarithm[-1] - doubling)]
+    starts = np.union1d(logarithm, logarithm - doubling)
+    starts = starts[(starts >= logarithm[:1]) & (starts <= logarithm[-1:] - doubling)]
+    if not starts.size:
+        return math.nan
     excess = np.interp(starts + doubling, logarithm, area) - SETTLED * np.interp(starts, logarithm, area)
     growing = np.flatnonzero(excess >= 0)
     if not growing.size:

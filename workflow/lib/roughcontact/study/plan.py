@@ -321,13 +321,16 @@ class Plan:
         if rule == "report":
             return len(self.results) / 300
         case, surface = split(result)
-        if rule == "unload":
-            return 60 * self.loads(case) * points / 60e6
-        if rule == "wear":  # steps to each distance, and the same of the parts
-            return 400 * len(self.cases[case]["wear"]["distance"]) * points / 60e6
-        if rule == "slide":  # some fifteen contacts for each speed, the same of the parts and the instrument
-            sliding = self.cases[case]["sliding"]
-            return 900 * len(sliding["direction"]) * len(sliding["speed"]) * points / 60e6
+        wear, sliding = self.cases[case]["wear"], self.cases[case]["sliding"]
+        seconds = {  # of a million points
+            "unload": 60 * self.loads(case),
+            # steps to each distance, and the same of the parts
+            "wear": 400 * len(wear["distance"] or ()),
+            # some fifteen contacts for each speed, the same of the parts and the instrument
+            "slide": 900 * len(sliding["direction"]) * len(sliding["speed"] or ()),
+        }
+        if rule in seconds:
+            return seconds[rule] * points / 60e6
         if rule.startswith("prepare") or rule in ("superpose", "panel"):
             return 40 * points / 60e6 + megabytes(self.row(surface).path) / 100
         return (240 + 190 * self.loads(case)) * points / 60e6

@@ -17,6 +17,7 @@ from roughcontact.study.readers import reader_digest
 InputFunction = Callable[[Any], list[str] | str]  # of the wildcards
 # the scripts of rules that use those of others
 _SCRIPTS = {"prepare_with_overview": "prepare", "prepare_face": "prepare", "statistics": "contact"}
+_SCRIPTS |= {"wear": "course", "slide": "course"}
 
 
 def _for_result(function: Callable[[str], Any]) -> Callable[[Any], Any]:

@@ -71,7 +71,7 @@ def headline_values(
     if CONDUCTANCE in names:
         of_unit = Elasticity(influence=elasticity.influence)
         is_conducting = elasticity.medium.is_homogeneous  # as it displaces
-        compliance = linear_response(touching, steps, of_unit) if is_conducting else 0.0
+        compliance = linear_response(touching, steps, of_unit)[0] if is_conducting else 0.0
         values[CONDUCTANCE] = 1 / compliance if compliance > 0 else np.nan
     if CONSTRICTIONS[0] in names:
         values |= percolation_columns(np.where(touching, 0.0, gap))

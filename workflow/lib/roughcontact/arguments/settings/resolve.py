@@ -30,6 +30,8 @@ _NEEDS = [
     for keys, any_of, text in rows_beside(__file__, "needs.tsv")
     for key in keys.split(", ")
 ]
+# what each course needs; the last of them rises
+_COURSES = {"wear": ("coefficient", "distance"), "sliding": ("speed",)}
 _RIGID = 0.01  # share of a rigid face in the displacement
 # keys that are the same for all cases
 _COMMON = ("surfaces", "composite", "report", "cases")
@@ -103,8 +105,8 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         _mistakes_in_needs(settings),
         _mistakes_in_statistics(settings),
         _mistakes_in_creep(contact),
-        _mistakes_in_sequences(settings),
-        _mistakes_in_wear(settings["wear"]),
+        _mistakes_in_courses(settings),
+        _mistakes_in_pressures(settings),
         _mistakes_in_sliding(settings["sliding"], contact),
     )
     return settings, mistakes + in_case(chain(*further))
@@ -193,12 +195,20 @@ def _mistakes_in_creep(contact: Mapping[str, Any]) -> Mistakes:
         yield "contact.bodies", ": both creep moduli need the same times, in the same order"
 
 
-def _mistakes_in_sequences(settings: Mapping[str, Any]) -> Mistakes:
-    """Yield distances and speeds out of order, and pressures that the hardness does not bear."""
-    for section, key, noun in (("wear", "distance", "distance"), ("sliding", "speed", "speed")):
-        values = settings[section][key] or []
-        if values != sorted({*values}):
-            yield f"{section}.{key}", f": give each {noun} once, in rising order"
+def _mistakes_in_courses(settings: Mapping[str, Any]) -> Mistakes:
+    """Yield what wear or sliding lacks where it has any setting, and distances or speeds out of order."""
+    for section, keys in _COURSES.items():
+        values = settings[section]
+        if any(values[key] for key in (*keys, "mean_pressure")):
+            needs = f"{section} needs the {' and the '.join(keys)}"
+            yield from ((f"{section}.{key}", f": missing; {needs}") for key in keys if not values[key])
+        rising = values[keys[-1]] or []
+        if rising != sorted({*rising}):
+            yield f"{section}.{keys[-1]}", f": give each {keys[-1]} once, in rising order"
+
+
+def _mistakes_in_pressures(settings: Mapping[str, Any]) -> Mistakes:
+    """Yield pressures that the hardness does not bear."""
     hardness = settings["contact"]["hardness"]
     for section, key in (("contact", "mean_pressure"), ("contact", "unload"), ("wear", "mean_pressure")):
         value = settings[section][key]
@@ -208,13 +218,6 @@ def _mistakes_in_sequences(settings: Mapping[str, Any]) -> Mistakes:
             yield f"{section}.{key}", text
 
 
-def _mistakes_in_wear(wear: Mapping[str, Any]) -> Mistakes:
-    """Yield what is missing for the wear of the face."""
-    for key in ("coefficient", "distance"):
-        if wear[key] is None and any(wear[name] for name in ("coefficient", "distance", "mean_pressure")):
-            yield f"wear.{key}", ": missing; wear needs the coefficient and the distance"
-
-
 def _mistakes_in_sliding(sliding: Mapping[str, Any], contact: Mapping[str, Any]) -> Mistakes:
     """Yield what is wrong with the sliding of rubber."""
     bodies = contact["bodies"] or ()
@@ -222,8 +225,6 @@ def _mistakes_in_sliding(sliding: Mapping[str, Any], contact: Mapping[str, Any])
     if len({*sliding["direction"]}) < len(sliding["direction"]):
         yield "sliding.direction", ": give each direction once"
     if not sliding["speed"]:
-        if sliding["mean_pressure"] is not None:
-            yield "sliding.speed", ": missing; sliding needs it"
         return
     if len(relaxing) != 1:
         text = ": needs the relaxation of one of the bodies: bodies: [{relaxation: dma.csv}, rigid]"
