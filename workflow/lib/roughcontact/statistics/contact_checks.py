@@ -18,7 +18,7 @@ from roughcontact.statistics.decisions import is_lifted
 from roughcontact.statistics.kinds import load_in_words, unit_of_pressures
 from roughcontact.statistics.outcome import Check, judge
 from roughcontact.statistics.sealing.gas import MIN_INVERSE_KNUDSEN, path_at_mean_pressure
-from roughcontact.statistics.selected_loads import Statistics
+from roughcontact.statistics.selected_loads import Statistics, largest_of_loads
 
 CONTACT_POINTS = 100  # fewer contact points are too few for statistics
 LAYER_PIXELS = 4  # thickness from which the contact of a pixel is that of a half-space
@@ -42,8 +42,8 @@ def convergence(statistics: Statistics) -> Check:
     >>> convergence(one).sentence
     'All loads converged: error bound at most 3.0×10⁻⁵, tolerance 1×10⁻⁴.'
     """
-    misses, loads = int((statistics["converged"] == 0).sum()), statistics.sizes["load"]
-    facts = {"bound": statistics["error_bound"].max(), "tolerance": statistics.attrs["tolerance"]}
+    misses, loads = int((statistics["converged"].values == 0).sum()), statistics.sizes["load"]
+    facts = {"bound": largest_of_loads(statistics["error_bound"]), "tolerance": statistics.attrs["tolerance"]}
     return judge("Solver", {"missed": misses}, misses=misses, loads=loads, **facts)
 
 
@@ -101,7 +101,7 @@ def _hardness_check(statistics: Statistics) -> Check:
     worst, yields = np.argmax(load_share), area_share > 0
     # the plasticity index
     index = modulus * float(statistics["rms_gradient"]) / hardness
-    numbers = {"largest": statistics["max_pressure"].max() / hardness, "index": index}
+    numbers = {"largest": largest_of_loads(statistics["max_pressure"]) / hardness, "index": index}
     numbers |= {"load_share": load_share[worst], "area_share": area_share[worst]}
     words = {"loads": _loads(yields, statistics), "hardness": unit_of_pressures(statistics).text(hardness)}
     cases = {"flows": yields.any(), "elastic": True}
@@ -210,7 +210,9 @@ def units(statistics: Statistics) -> Check:
     of_modulus = materials.doubt_of_modulus(modulus)
     of_loads = [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]
     names = ("friction_coefficient", "max_flash_temperature", "temperature_drop")
-    friction, flash, drop = (float(statistics[name].max()) if name in statistics else 0.0 for name in names)
+    friction, flash, drop = (
+        largest_of_loads(statistics[name]) if name in statistics else 0.0 for name in names
+    )
     rise = max(flash, drop)
     of_temperature, temperatures = _doubtful_temperature(statistics, rise)
     low, high = (unit_of_pressures(statistics).text(float(f(loads))) for f in (np.min, np.max))
@@ -331,6 +333,9 @@ def load_range(statistics: Statistics) -> Check:
     >>> load_range(both).sentence
     'The contact covers 11.0 % to 100 % of the area.'
     """
-    full, loads = int((statistics["relative_contact_area_pixels"] == 1).sum()), statistics.sizes["load"]
-    low, high = (float(f(statistics["relative_contact_area"])) for f in (np.min, np.max))
+    full, loads = (
+        int((statistics["relative_contact_area_pixels"].values == 1).sum()),
+        statistics.sizes["load"],
+    )
+    low, high = (f.reduce(statistics["relative_contact_area"].values) for f in (np.fmin, np.fmax))
     return judge("Load range", {"full": full == loads == 1, "all full": full == loads}, low=low, high=high)

@@ -17,7 +17,7 @@ from roughcontact.arguments.quantities import number, percent
 from roughcontact.io.instrument_kinds import PROBE, UNKNOWN, Kind, of_name
 from roughcontact.statistics.map_checks import Attributes
 from roughcontact.statistics.outcome import REVIEW, Check, judge
-from roughcontact.statistics.selected_loads import Statistics
+from roughcontact.statistics.selected_loads import Statistics, largest_of_loads
 from roughcontact.surface.levelling.record import s_index
 from roughcontact.surface.roughness.traces import MAX_GRADIENT
 from roughcontact.surface.window.band import is_limited_by_grid, shortest_reliable_wave
@@ -121,7 +121,8 @@ def isolated_peak(statistics: Statistics, window: Attributes) -> Check:
     """Check that no single summit stands far above all others and carries a pressure far above the mean."""
     chance, ratio_to_next = (window.get(f"summit_{name}", np.inf) for name in ("chance", "over_next"))
     # at the load where it is largest: at low loads a summit is alone
-    over_mean = float((statistics["max_pressure"] / statistics["mean_contact_pressure"]).max())
+    peak, mean = (statistics[name].values for name in ("max_pressure", "mean_contact_pressure"))
+    over_mean = largest_of_loads(peak / mean)
     cases = {
         "no summit": "summit_chance" not in window,
         "common": not (over_mean > PEAK_OVER_MEAN and chance < CHANCE),

@@ -14,7 +14,7 @@ from roughcontact.arguments.lays import lay_facts
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
 from roughcontact.statistics.outcome import Check, judge
-from roughcontact.statistics.selected_loads import Statistics
+from roughcontact.statistics.selected_loads import Statistics, largest_of_loads
 from roughcontact.surface.levelling.record import rejected_by_kind
 
 FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points not measured: review, fail
@@ -43,7 +43,7 @@ def missing_points(statistics: Statistics, height: Attributes, attrs: Attributes
     """Check that hardly any contact lies on points that were not measured."""
     missing, fill = height.get("missing_share", 0.0), attrs.get("filled_share", 0.0)
     removals = attrs.get("outliers_rejected", 0)
-    in_contact = float(statistics["contact_on_filled_points"].max())
+    in_contact = largest_of_loads(statistics["contact_on_filled_points"])
     doubtful, wrong = FILLED_IN_CONTACT
     cases = {
         "all measured": not (missing or removals or fill),
@@ -68,8 +68,7 @@ def outliers(statistics: Statistics, attrs: Attributes) -> Check:
     """
     removals, kinds = attrs.get("outliers_rejected", 0), rejected_by_kind(attrs)
     # levelled without keeping the rejected heights it is not known
-    shares = np.asarray(statistics.get("rejected_load_share", np.nan))
-    share = float(np.fmax.reduce(shares, axis=None))  # of the load with the largest share
+    share = largest_of_loads(statistics.get("rejected_load_share", np.nan))
     cases = {"none": not removals, "unknown": np.isnan(share), "carry": share > REJECTED_LOAD}
     they, was, noun, lie, are = "they", "were", "outliers", "they lie", "they are errors"
     if removals == 1:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 
@@ -29,3 +30,15 @@ class SelectedLoads(Mapping[str, xr.Variable]):
 
 
 Statistics = xr.Dataset | SelectedLoads
+
+
+def largest_of_loads(values: npt.ArrayLike) -> float:
+    """Return the largest number of the loads at which it is known; NaN where at none.
+
+    Examples
+    --------
+    >>> largest_of_loads([0.1, float("nan"), 0.3])
+    0.3
+    """
+    # of the bare values: labelled ones take several times as long
+    return float(np.fmax.reduce(np.asarray(values), axis=None))
