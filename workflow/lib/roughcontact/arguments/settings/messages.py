@@ -8,7 +8,8 @@ from typing import Any
 from pydantic_core import ErrorDetails
 
 from roughcontact.arguments.rows import rows_beside
-from roughcontact.arguments.settings.fields import field_at, fields_at, setting_choices
+from roughcontact.arguments.settings.fields import field_at, fields_at, leaves, setting_choices
+from roughcontact.arguments.settings.models import Settings
 from roughcontact.errors import SettingsError
 
 _NAME_RULE = "a name has letters, digits and hyphens only (it becomes a folder)"
@@ -79,6 +80,19 @@ def nearest(misspelling: object, valid: Collection[str]) -> str:
     return f"did you mean {close[0]}?" if close else f"valid are {', '.join(valid)}"
 
 
+def elsewhere(key: str) -> str:
+    """Return the end of a sentence that names the settings of this key in other sections, "" without any.
+
+    Examples
+    --------
+    >>> elsewhere("seal"), elsewhere("colour")
+    ('did you mean statistics.seal?', '')
+    """
+    names = (name for name, *_ in leaves(Settings, "", {}))
+    places = dict.fromkeys(re.sub(r"\.\d+", "", name) for name in names if name.split(".")[-1] == key)
+    return f"did you mean {' or '.join(places)}?" if places else ""
+
+
 def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> SettingsError:
     """Return the error for one entry of `ValidationError.errors()`: key, value, rule, meaning of a setting.
 
@@ -118,7 +132,7 @@ def reason(detail: ErrorDetails) -> str:
             return f": {text}"
         key, valid = str(location[-1]), fields_at(location[:-1])
         symbol = _SYMBOLS.get(key.lower())  # E, nu, H as in a textbook
-        hint = f"did you mean {symbol}?" if symbol in valid else nearest(key, valid)
+        hint = f"did you mean {symbol}?" if symbol in valid else elsewhere(key) or nearest(key, valid)
         return f": unknown key, {hint}"
     if detail["type"] == "missing":
         return f": missing ({meaning})"
