@@ -46,9 +46,7 @@ class Reader:
     def __init__(self) -> None:
         self.pool = ThreadPoolExecutor(1)
         self.readings: dict[str, Future[dict[str, Any]]] = {}
-        self.columns: dict[
-            str, list[str]
-        ] = {}  # that each path needed last: they stay while it is read again
+        self.columns: dict[str, list[str]] = {}  # that the file of each path needed last
 
     def inspected(self, rows: Sequence[Row]) -> list[tuple[Row, dict[str, Any]]]:
         """Return rows with what their files hold; those that are not read yet come in a while."""
@@ -57,11 +55,11 @@ class Reader:
             key, path = _key(row), row.get("path", "")
             if key not in self.readings:
                 self.readings[key] = self.pool.submit(inspect, row)
-            if self.readings[key].done():
-                inspections.append((row, self.readings[key].result()))
-                self.columns[path] = inspections[-1][1]["columns"]
-            else:
-                inspections.append((row, UNREAD | {"columns": self.columns.get(path, [])}))
+            # the cells of a row stay while its file is read again
+            before = UNREAD | {"columns": self.columns.get(path, [])}
+            inspection = self.readings[key].result() if self.readings[key].done() else before
+            self.columns[path] = inspection["columns"]
+            inspections.append((row, inspection))
         return inspections
 
 

@@ -56,12 +56,10 @@ class Page:
         self.look = ""
         self.changed = f"{' and '.join(changed)}: changed outside this page, and read again"
         self.revision += 1
+        ticked = {row.get("surface") for row in former_rows if row.get(study.TICKED)}
+        self.rows = [row | {study.TICKED: "on"} if row.get("surface") in ticked else row for row in self.rows]
         numbers = {row.get("surface"): number for number, row in enumerate(self.rows)}
-        places = {number: numbers.get(row.get("surface")) for number, row in enumerate(former_rows)}
-        for number, place in places.items():
-            if place is not None and former_rows[number].get(study.TICKED):
-                self.rows[place][study.TICKED] = "on"
-        return places
+        return {number: numbers.get(row.get("surface")) for number, row in enumerate(former_rows)}
 
     def after(self, form: Mapping[str, str]) -> str:
         """Return the page after changes of fields, by their names, and what a button does."""
