@@ -1754,6 +1754,17 @@ class TestForm:
         expected = {"bodies": [{"material": "steel"}] * 2, "mean_pressure": ["6 MPa"]}
         assert yaml.safe_load(config.read_text())["contact"] == expected
 
+    def test_a_load_that_comes_with_another_question_is_set_aside(self, tmp_path):
+        page, pressure = Page(), "contact.mean_pressure.0"
+        page.after({"page.job": "seal", pressure: "2 MPa"})
+        page.after({pressure: "2.5 MPa", "page.job": "ball"})
+        page.after({"contact.force.0": "5 N"})
+        contact = yaml.safe_load((tmp_path / "config/config.yaml").read_text())["contact"]
+        assert contact == {"boundary": "free", "force": ["5 N"]}
+        page.after({"page.job": "seal"})
+        contact = yaml.safe_load((tmp_path / "config/config.yaml").read_text())["contact"]
+        assert contact == {"mean_pressure": ["2.5 MPa"]}
+
     def test_what_others_change_meanwhile_is_kept(self, tmp_path):
         """While the page is open both files are edited in a terminal: one field of the page changes there."""
         config, table = tmp_path / "config/config.yaml", tmp_path / "config/surfaces.tsv"

@@ -66,8 +66,6 @@ class Page:
         self.changed = ""
         places = self._read_again()
         action, job, texts = form.get("page.do", ""), form.get("page.job", self.job), self.texts
-        if job in study.JOBS and job != self.job:
-            texts = study.texts_for(job, texts, self.aside)
         self.look, new_field = form.get("page.look", self.look), form.get("page.more", "")
         names = [name for name in form if not name.startswith(("rows.", "page."))]
         changes = {study.name_of_field(name): form[name] for name in names}
@@ -79,6 +77,9 @@ class Page:
             if not any(key.startswith(f"{name}.") for key in changes)
         }
         texts |= changes
+        # after what was typed before, which may come with it
+        if job in study.JOBS and job != self.job:
+            texts = study.texts_for(job, texts, self.aside)
         cells = defaultdict[int, study.Row](dict)
         for _, number, column in (name.split(".", 2) for name in form if name.startswith("rows.")):
             place = places.get(int(number), int(number))
