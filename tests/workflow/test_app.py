@@ -1142,6 +1142,7 @@ class TestOtherUsers:
             assert token not in " ".join(words)
             assert mode == "0o100600"
             assert f'content="0; url={address}"' in content
+            assert get(address)[0] == 200  # it has started, and is not interrupted while it does
         assert not list((tmp_path / "study/.snakemake").glob("page.html"))
         assert not (tmp_path / "of-somebody").exists()
 
