@@ -62,6 +62,17 @@ def test_beyond_the_loads_the_bounds_are_what_the_loads_prove(trend, allowed, ex
     np.testing.assert_array_equal(bounds, expected)
 
 
+@pytest.mark.parametrize("index", range(4))
+def test_a_load_without_a_number_has_what_the_others_decide(index):
+    """As a leak that was not found at one of four loads, all of which hold."""
+    loads, leak = np.array([1.0, 2.0, 4.0, 8.0]), np.array([4e-2, 2e-2, 1e-2, 5e-3])
+    leak[index] = np.nan
+    holds, (from_load, lower, upper) = compare(loads, (leak, leak / 2, leak * 2), allowed=1.0)
+    first = 2.0 if index == 0 else 1.0
+    assert (from_load, lower, upper) == (first, 0.0, first)
+    np.testing.assert_array_equal(holds, [np.nan if index == 0 else 1.0, 1.0, 1.0, 1.0])
+
+
 def test_ends_that_are_not_known_bound_nothing_and_a_closed_gap_bounds_the_load():
     nan = np.full(4, np.nan)
     holds, bounds = compare(LOADS, (power_law(-2.0)[0], nan, nan), allowed=1.0)

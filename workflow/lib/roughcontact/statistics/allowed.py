@@ -32,8 +32,9 @@ def compare(
     loads prove, else 0 or NaN.
 
     It falls with the load, or another abscissa (`trend` -1), or rises (1): what one load decides, heavier or
-    lighter ones share. An end that is not known bounds nothing. Between two loads it is the power law through
-    both, beside a value of 0 nothing is; where one is more than twice the other, the bounds are these loads.
+    lighter ones share, also those without a number. An end that is not known bounds nothing. Between two
+    loads it is the power law through both, beside a value of 0 nothing is; where one is more than twice the
+    other, the bounds are these loads.
 
     Examples
     --------
@@ -52,12 +53,15 @@ def compare(
     lower = np.maximum.accumulate(np.nan_to_num(lower, nan=-np.inf)[::-1])[::-1]
     upper = np.minimum.accumulate(np.nan_to_num(upper, nan=np.inf, posinf=np.inf))
     holds = np.full(loads.shape, np.nan)
-    agree = (lower <= upper) & ~np.isnan(value)  # ends that contradict each other decide nothing
+    agree = lower <= upper  # ends that contradict each other decide nothing
     holds[order] = np.where(agree & (upper <= allowed), 1.0, np.where(agree & (lower > allowed), 0.0, np.nan))
     everywhere, nowhere = (0.0, np.nan) if trend < 0 else (np.nan, 0.0)  # nothing bounds it beyond the loads
     of_lower = _crossing(loads, lower, allowed, beyond=(everywhere, loads[-1]), side=0, close=_CLOSE)
     of_upper = _crossing(loads, upper, allowed, beyond=(loads[0], nowhere), close=_CLOSE)
-    crossing = _crossing(loads, value, allowed, beyond=(loads[0], np.nan))
+    known = ~np.isnan(value)  # what is not known of a load follows from the others
+    crossing = np.nan
+    if known.any():
+        crossing = _crossing(loads[known], value[known], allowed, beyond=(loads[known][0], np.nan))
     return holds, np.array([crossing, *((of_lower, of_upper) if trend < 0 else (of_upper, of_lower))])
 
 
