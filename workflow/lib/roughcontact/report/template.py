@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import jinja2
 
 _KEY = r"[a-z]+(?:\.[a-z_]+)+(?:: [a-z0-9]+)?"  # of a setting, and its value
+_DECISIONS = {"holds": "passed", "does not hold": "failed", "not decided": "review"}
 _TEMPLATES = Path(__file__).with_name("templates")
 
 
@@ -65,7 +66,7 @@ def _environment(folder: Path | None) -> "jinja2.Environment":
         lstrip_blocks=True,
         bytecode_cache=None if sys.dont_write_bytecode else _bytecode_cache(),
     )
-    environment.filters |= {"digests": _digests, "raised": _raised}
+    environment.filters |= {"digests": _digests, "raised": _raised, "answered": _answered}
     environment.filters |= {"number": number, "percent": percent, "quantity": quantity}
     return environment
 
@@ -102,6 +103,17 @@ def _raised(text: str) -> Markup:
     """Return a text as markup: exponents as in q^−3 are raised, keys of settings in brackets are small."""
     markup = re.sub(r"\^(−?[\d.]*\d)", r"<sup>\1</sup>", str(escape(turns_escaped(text))))
     return Markup(re.sub(rf"\((?:{_KEY}(?:, | or )?)+\)", r'<span class="key">\g<0></span>', markup))
+
+
+def _answered(text: str) -> Markup:
+    """Return an answer as markup: each sentence a line, whether what is allowed holds in its colour."""
+    markup = re.sub(
+        rf"(?<=: )(?:{'|'.join(_DECISIONS)})(?=[,.;(]| \()",
+        lambda words: f'<b class="{_DECISIONS[words[0]]}">{words[0]}</b>',
+        str(escape(turns_escaped(text))),
+    )
+    lines = re.split(r"(?<=\.) (?=[A-Z])", markup)
+    return Markup("".join(f'<span class="answer">{line}</span>' for line in lines))
 
 
 def _digests(markup: str) -> Markup:
