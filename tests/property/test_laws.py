@@ -186,6 +186,7 @@ STATED |= {
 STATED |= dict.fromkeys(("shear_flow_x", "shear_flow_y", "shear_flow_factor_x", "shear_flow_factor_y"), 2e-4)
 STATED |= {"loading_stiffness": 1e-3, "thermal_conductance": 1e-3, "electrical_conductance": 1e-3}
 STATED |= {"thermal_resistance": 1e-3, "electrical_resistance": 1e-3}
+HISTOGRAMS = ("gap_density", "pressure_density")
 MODULUS = 1 / sum((1 - body["poissons_ratio"] ** 2) / body["youngs_modulus"] for body in BODIES)
 HARDNESS = 1.2e8  # Pa, which the largest pressure of the higher loads reaches
 SEAL = {"viscosity": 1e-3, "pressure_difference": 1.0, "width": 2e-3}  # a fluid that lifts nothing
@@ -261,6 +262,17 @@ def same(actual, expected, name, points=np.inf, core=0.0, outside=np.inf):
     np.testing.assert_allclose(actual, expected, rtol=rtol, atol=rtol * scale + 1e-300, err_msg=name)
 
 
+def same_histogram(actual, expected, name):
+    """Whether two results have the same histogram, but for a point at the edge of a class, by rounding."""
+    shares = []
+    for result in (actual, expected):
+        widths = np.diff(result[name.replace("density", "bin_bounds")].values)[..., 0]
+        shares.append(result[name].values * widths)
+    one_point = np.where(shares[1] > 0, shares[1], np.inf).min(axis=-1, keepdims=True)
+    moved = np.abs(np.cumsum(shares[0] - shares[1], axis=-1))
+    assert (moved <= 1.01 * one_point).all(), name
+
+
 def test_every_variable_has_a_law():
     named = {kind_of(name) for name in VARIABLES}
     assert named - set(LAWS) - OF_THE_SOLVER - NO_NUMBER == set()
@@ -310,7 +322,9 @@ def test_numbers_follow_the_scales(seed, heights, lengths, modulus, yielding, bu
     assert set(scaled_result.variables) == set(reference.variables)
     for name in numbers(reference):
         law = law_of(name)
-        if not law.similar:
+        if name in HISTOGRAMS:
+            same_histogram(scaled_result, reference, name)
+        elif not law.similar:
             factor = a**law.heights * b**law.lengths * c**law.modulus
             same(*without_tight(name, scaled_result, reference, factor), name)
 
@@ -324,6 +338,9 @@ def test_numbers_of_slopes_follow_where_slopes_stay(seed, unit):
     scaled_result = solved(scaled, energy=factor)
     for name in numbers(reference):
         law = law_of(name)
+        if name in HISTOGRAMS:
+            same_histogram(scaled_result, reference, name)
+            continue
         same(
             *without_tight(name, scaled_result, reference, factor ** (law.heights + law.lengths)),
             name,
@@ -381,6 +398,9 @@ def test_numbers_follow_the_map(change, seed, yielding):
         if name == "Std":
             deviation = (actual - direction(expected) + 90) % 180 - 90
             assert abs(deviation) < 1e-6, name
+            continue
+        if name in HISTOGRAMS:
+            same_histogram(turned_result, reference, name)
             continue
         same(actual, expected, name)
     # the most strained point is the same point of the surface
