@@ -18,7 +18,6 @@ from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.variables import describe
 from roughcontact.kernels.compiled import Regions
 from roughcontact.statistics.sealing import flow as flow_module
-from roughcontact.statistics.sealing import multigrid as multigrid_module
 from roughcontact.statistics.sealing.connectivity import connected_regions, percolates, region_sizes
 from roughcontact.statistics.sealing.flow import flow_columns, leak_columns
 from roughcontact.statistics.sealing.multigrid import Network, multigrid
@@ -306,7 +305,7 @@ def test_near_the_percolation_threshold_against_a_direct_solution():
             assert reference < 1e-12
 
 
-def network_flow(network, uniform_drop, carried, solver, tolerance):
+def network_flow(network, uniform_drop, carried, *of_solver, **limits):
     """Return what `flow._driven_flow` does, by elimination of a network point by point without a subtraction.
 
     Grassmann, Taksar and Heyman (1985), Oper. Res. 33, 1107: each potential is exact to rounding.
@@ -327,11 +326,12 @@ def network_flow(network, uniform_drop, carried, solver, tolerance):
     return drops, float(carried @ drops)
 
 
-@pytest.mark.parametrize("coarsest", [20, 2**18])
+@pytest.mark.parametrize(("steps", "factorised"), [(0, 2**20), (20, 0), (20, 2**20)])
 @pytest.mark.parametrize(("closed", "power"), [(0.3, 1), (0.41, 1), (0.2, 2), (0.3, 2)])
-def test_flow_of_steep_gaps_against_an_elimination(monkeypatch, closed, power, coarsest):
-    """Conductances over up to thirty powers of ten, by factors at once, or below levels of aggregates."""
-    monkeypatch.setattr(multigrid_module, "_COARSEST", coarsest)
+def test_flow_of_steep_gaps_against_an_elimination(monkeypatch, closed, power, steps, factorised):
+    """Conductances over up to thirty powers of ten, by factors, by aggregates, by both in turn."""
+    monkeypatch.setattr(flow_module, "_FEW_STEPS", steps)
+    monkeypatch.setattr(flow_module, "_MAX_FACTORISED", factorised)
     gap = rough_gap(32, closed=closed, seed=2) ** power
     columns = flow_columns(gap, SQUARE, tolerance=1e-9)
     monkeypatch.setattr(flow_module, "_driven_flow", network_flow)

@@ -1,8 +1,7 @@
 """Multigrid by aggregation for networks of conductances on a grid, robust to conductances of any ratio.
 
-Near percolation, where aggregation converges slowly (0.95 a step seen), a network has few paths, and its
-sparse factors few entries. So all that memory allows is solved directly, by symmetric factors without
-pivots: of 432 x 576 points of which two thirds are open in 1.1 s of processor time for 60.
+Near percolation aggregation converges slowly (0.95 a step seen): then a network has few paths, its sparse
+factors have few entries, and it is solved directly.
 """
 
 import math
@@ -16,7 +15,7 @@ from scipy.sparse.linalg import splu
 
 _BLOCK = 2  # points per side of the blocks that confine aggregates
 _STRONG = 0.05  # minimum share of the smaller diagonal for a link that joins two points to one aggregate
-_COARSEST = 2**18  # unknowns that are solved directly: all of 512 x 512 points, in some 400 MB
+_COARSEST = 100  # unknowns that are solved directly
 _SMOOTHING = 0.8  # of damped Jacobi: the largest eigenvalue of the scaled matrix is 2 at most
 _ACCURATE = 0.25  # share of a coarse residual after the first step, below which there is no second one
 _ROUNDING = 1e-26  # share of the largest diagonal below which values are rounding errors
@@ -93,7 +92,7 @@ def multigrid(network: Network, coordinates: np.ndarray) -> Solver:
         coordinates = coordinates[representative]
         network = _coarser(network, aggregate, count)
         matrix = network.matrix()
-    solve_coarsest = _factorised(matrix)
+    solve_coarsest = factorised(matrix)
 
     def cycle(residual: np.ndarray, depth: int = 0) -> np.ndarray:
         """Return the correction of one cycle, from a level downwards."""
@@ -117,7 +116,7 @@ def multigrid(network: Network, coordinates: np.ndarray) -> Solver:
     return finest, cycle
 
 
-def _factorised(matrix: sp.csr_array) -> Cycle:
+def factorised(matrix: sp.csr_array) -> Cycle:
     """Return the solution by sparse factors of a network's matrix, one point of each part of it held at 0.
 
     The fewer paths a gap has, the fewer entries do the factors have: some 40 a point where it is wide open,
