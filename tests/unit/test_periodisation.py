@@ -172,6 +172,7 @@ def test_taper_is_the_tukey_window():
         tapered[0, :4] - values.mean(), window * (values[0, :4] - values.mean()), atol=1e-14
     )
     np.testing.assert_allclose(periodisation.taper(values, 0.0), values, atol=1e-15)
+    np.testing.assert_allclose(periodisation.taper(values, 2.2e-309), values, atol=1e-15)
 
 
 @pytest.mark.parametrize("shape", [(128, 128), (100, 65), (1, 1024), (64, 200), (16, 256)])

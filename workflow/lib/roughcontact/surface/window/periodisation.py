@@ -193,6 +193,7 @@ def taper(values: np.ndarray, width: float) -> np.ndarray:
     for axis, points in enumerate(values.shape):
         if points > 1 and width:
             from_edge = np.minimum(np.arange(points) + 0.5, points - 0.5 - np.arange(points))
-            window = np.sin(np.pi / 2 * np.minimum(from_edge / (width * points / 2), 1)) ** 2
+            fade = width * points / 2
+            window = np.sin(np.pi / 2 * (np.minimum(from_edge, fade) / fade)) ** 2
             result = result * np.expand_dims(window, 1 - axis)
     return result + mean
