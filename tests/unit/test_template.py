@@ -6,6 +6,7 @@ import jinja2
 import pytest
 
 from roughcontact.report import template as module
+from roughcontact.report.allowed import DECISIONS
 from roughcontact.report.template import _answered, template
 
 
@@ -62,9 +63,10 @@ def test_nothing_is_kept_where_python_keeps_nothing(folder, monkeypatch):
 
 def test_an_answer_has_a_line_for_each_sentence_and_marks_what_is_decided():
     text = "Leak 0.5 ml/h at 2.00 MPa, of at most 1.00 ml/h: holds, from 1.00 MPa on. At 2.00 MPa: leaks <b>."
-    marked = _answered(text)
+    marked = _answered(text, DECISIONS)
     assert str(marked) == (
         '<span class="answer">Leak 0.5 ml/h at 2.00 MPa, of at most 1.00 ml/h: <b class="passed">holds</b>, '
         'from 1.00 MPa on.</span><span class="answer">At 2.00 MPa: leaks &lt;b&gt;.</span>'
     )
-    assert '<b class="failed">does not hold</b>' in _answered("Gap of at least 1 µm: does not hold (lifted).")
+    failing = "Gap of at least 1 µm: does not hold (lifted)."
+    assert '<b class="failed">does not hold</b>' in _answered(failing, DECISIONS)

@@ -11,6 +11,8 @@ from roughcontact.statistics.kinds import load_in_words
 
 HOLDS, FAILS, NOT_DECIDED = "holds", "does not hold", "not decided"
 HOLDING = {1.0: HOLDS, 0.0: FAILS}  # the word of `{name}_holds`; of NaN it is not decided
+# the outcome in whose colour each stands
+DECISIONS = {HOLDS: "passed", FAILS: "failed", NOT_DECIDED: "review"}
 
 
 def stated_allowed(numbers: Numbers, answer: str = "") -> list[str]:

@@ -13,6 +13,7 @@ from roughcontact import __version__
 from roughcontact.arguments.answers import ANSWERS
 from roughcontact.report import ONE_PAGE, glance
 from roughcontact.report import groups as group_section
+from roughcontact.report.allowed import DECISIONS
 from roughcontact.report.asked import describe_problem, measured_in_words, same_loads
 from roughcontact.report.courses import answer_with_courses, course_sections
 from roughcontact.report.differences import Row, case_rows, comparison_rows
@@ -115,6 +116,7 @@ def write_report(
         "title": title,
         "version": __version__,
         "words": VERDICTS,
+        "decisions": DECISIONS,
         "single": len(rows) == 1,
         "answer": rows[0]["answer"] if len(rows) == 1 else several,
         "asked": glance.headings_of(asked, results),

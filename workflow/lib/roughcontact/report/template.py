@@ -4,6 +4,7 @@ import base64
 import hashlib
 import re
 import sys
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.util import cache_from_source
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     import jinja2
 
 _KEY = r"[a-z]+(?:\.[a-z_]+)+(?:: [a-z0-9]+)?"  # of a setting, and its value
-_DECISIONS = {"holds": "passed", "does not hold": "failed", "not decided": "review"}
 _TEMPLATES = Path(__file__).with_name("templates")
 
 
@@ -105,11 +105,11 @@ def _raised(text: str) -> Markup:
     return Markup(re.sub(rf"\((?:{_KEY}(?:, | or )?)+\)", r'<span class="key">\g<0></span>', markup))
 
 
-def _answered(text: str) -> Markup:
-    """Return an answer as markup: each sentence a line, whether what is allowed holds in its colour."""
+def _answered(text: str, decisions: Mapping[str, str]) -> Markup:
+    """Return an answer as markup: each sentence a line, words of `decisions` in the colour of an outcome."""
     markup = re.sub(
-        rf"(?<=: )(?:{'|'.join(_DECISIONS)})(?=[,.;(]| \()",
-        lambda words: f'<b class="{_DECISIONS[words[0]]}">{words[0]}</b>',
+        rf"(?<=: )(?:{'|'.join(decisions)})(?=[,.;(]| \()",
+        lambda words: f'<b class="{decisions[words[0]]}">{words[0]}</b>',
         str(escape(turns_escaped(text))),
     )
     lines = re.split(r"(?<=\.) (?=[A-Z])", markup)
