@@ -235,7 +235,7 @@ def test_a_remark_of_several_answers_stands_once_in_the_line():
 def test_a_resistance_has_the_prefix_that_brings_it_between_1_and_1000(resistance, text):
     numbers = {"total_electrical_resistance": [resistance], "resistance_holds": [1.0], "mean_pressure": [1e6]}
     numbers |= {"allowed_resistance": 1e-3, "contact_modulus": 1e11}
-    words = allowed_in_words(numbers, "resistance", 0, brief=True)
+    words = str(allowed_in_words(numbers, "resistance", 0, brief=True))
     assert words == f"resistance {text} of at most 1.00 mΩ: holds"
     assert unit_of(numbers, "Ohm").text(resistance) == text
     of_heat = unit_of({"total_thermal_resistance": [resistance]}, "K W-1").text(resistance)

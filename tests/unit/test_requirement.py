@@ -158,7 +158,7 @@ def test_the_interval_of_the_number_is_that_of_the_roughness():
         scaled = evaluated(height * (sq / float(found["Sq"])))
         share = float(found[f"mean_gap{end}"][0] / found["mean_gap_as_solved"][0])
         assert float(scaled["mean_gap"][0]) * share == pytest.approx(0.6e-6, rel=0.01)
-    assert "of this texture with its S- and L-filter" in allowed_in_words(found, "gap", 0)
+    assert "of this texture with its S- and L-filter" in str(allowed_in_words(found, "gap", 0))
     assert found["gap_holds"].dims == ("load",)
 
 

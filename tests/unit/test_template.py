@@ -6,8 +6,8 @@ import jinja2
 import pytest
 
 from roughcontact.report import template as module
-from roughcontact.report.allowed import DECISIONS
-from roughcontact.report.template import _answered, template
+from roughcontact.report.allowed import DECISIONS, Sentence
+from roughcontact.report.template import template
 
 
 @pytest.fixture
@@ -62,11 +62,17 @@ def test_nothing_is_kept_where_python_keeps_nothing(folder, monkeypatch):
 
 
 def test_an_answer_has_a_line_for_each_sentence_and_marks_what_is_decided():
-    text = "Leak 0.5 ml/h at 2.00 MPa, of at most 1.00 ml/h: holds, from 1.00 MPa on. At 2.00 MPa: leaks <b>."
-    marked = _answered(text, DECISIONS)
+    """A decision has its colour wherever it stands; the same word elsewhere, as in a name, has none."""
+    answer = [
+        Sentence("Leak 0.5 ml/h of at most 1.00 ml/h: ", "holds", ", from 1.00 MPa on."),
+        Sentence("At 2.00 MPa: holds, as <b> says. Gap: not decided."),
+    ]
+    marked = template("cell.html").module.answered(answer, DECISIONS)
     assert str(marked) == (
-        '<span class="answer">Leak 0.5 ml/h at 2.00 MPa, of at most 1.00 ml/h: <b class="passed">holds</b>, '
-        'from 1.00 MPa on.</span><span class="answer">At 2.00 MPa: leaks &lt;b&gt;.</span>'
+        '<span class="answer">Leak 0.5 ml/h of at most 1.00 ml/h: <b class="passed">holds</b>, from 1.00 MPa '
+        'on.</span><span class="answer">At 2.00 MPa: holds, as &lt;b&gt; says. Gap: not decided.</span>'
     )
-    failing = "Gap of at least 1 µm: does not hold (lifted)."
-    assert '<b class="failed">does not hold</b>' in _answered(failing, DECISIONS)
+    failing = Sentence("Gap of at least 1 µm: ", "does not hold", " (lifted).")
+    assert '<b class="failed">does not hold</b>' in template("cell.html").module.answered(
+        [failing], DECISIONS
+    )

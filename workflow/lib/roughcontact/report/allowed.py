@@ -1,5 +1,7 @@
 """Whether what is allowed holds, in words, with the load from which on it does."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from roughcontact.arguments.answers import ALLOWED_VALUES, AREA, ENDS, TOTALS
@@ -15,20 +17,31 @@ HOLDING = {1.0: HOLDS, 0.0: FAILS}  # the word of `{name}_holds`; of NaN it is n
 DECISIONS = {HOLDS: "passed", FAILS: "failed", NOT_DECIDED: "review"}
 
 
+class Sentence(NamedTuple):
+    """A sentence of an answer; as text its parts are joined."""
+
+    before: str
+    decision: str = ""  # a key of `DECISIONS`; empty where nothing is decided
+    after: str = ""
+
+    def __str__(self) -> str:
+        return "".join(self)
+
+
 def stated_allowed(numbers: Numbers, answer: str = "") -> list[str]:
     """Return the names of the allowed values of numbers, of one of the answers alone."""
     names = [name for name, allowed in ALLOWED_VALUES.items() if answer in ("", allowed.answer)]
     return [name for name in names if f"{name}_holds" in numbers]
 
 
-def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = False) -> str:
-    """Return whether an allowed value holds at a load, and from which one on; a `brief` text without that.
+def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = False) -> Sentence:
+    """Return whether an allowed value holds at a load, and from which one on; `brief`, without that.
 
     Examples
     --------
     >>> bounds = {"leak_holds_from": 1.8e6, "leak_holds_from_lower": 1.2e6, "leak_holds_from_upper": 3.4e6}
     >>> numbers = {"contact_modulus": 1e9, "mean_pressure": [1e6], "allowed_leak": 3e-10}
-    >>> allowed_in_words(numbers | bounds | {"leak_holds": [np.nan]}, "leak", 0)
+    >>> str(allowed_in_words(numbers | bounds | {"leak_holds": [np.nan]}, "leak", 0))
     'leak of at most 1.08 ml/h: not decided, would be from 1.80 MPa on (1.20 MPa to 3.40 MPa)'
     """
     allowed, holds = ALLOWED_VALUES[name], float(numbers[f"{name}_holds"][index])
@@ -39,12 +52,11 @@ def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = F
     link = {HOLDS: "", FAILS: "would hold ", NOT_DECIDED: "would be "}[word]
     # below its own heading a number needs no name
     subject = "" if brief and allowed.answer in allowed.numbers else allowed.words
-    sentence = f"{' '.join(filter(None, [subject, total, limit]))}: {word}"
-    if lifts := fluid_in_words(numbers, index, name):
-        sentence += f" ({lifts})"
-    if brief:
-        return sentence
-    return f"{sentence}, {link}{_load_in_words(numbers, name)}{_roughness_in_words(numbers, name, index)}"
+    lifts = fluid_in_words(numbers, index, name)
+    after = f" ({lifts})" if lifts else ""
+    if not brief:
+        after += f", {link}{_load_in_words(numbers, name)}{_roughness_in_words(numbers, name, index)}"
+    return Sentence(f"{' '.join(filter(None, [subject, total, limit]))}: ", word, after)
 
 
 def limit_in_words(numbers: Numbers, name: str) -> str:

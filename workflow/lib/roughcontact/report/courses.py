@@ -15,6 +15,7 @@ import xarray as xr
 from roughcontact.arguments.answers import AREA, CONDUCTANCE, ENDS, FRICTION, GAP, PEAK, TITLES, UNITS
 from roughcontact.arguments.quantities import number, quantity
 from roughcontact.arguments.relaxation import MAX_MISFIT
+from roughcontact.report.allowed import Sentence
 from roughcontact.report.charts import Axis, Chart, curves_chart, load_label, log_axis
 from roughcontact.report.template import sentence
 from roughcontact.report.units import interval_values, length_unit, unit_of
@@ -62,20 +63,26 @@ def course_section(loading: xr.Dataset, path: Path, *, drawn: bool = False) -> t
         return part, {"sentences": sentences, "images": images}
 
 
-def answer_with_courses(line: str, sections: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return the answer of a surface: those of wear and sliding, then its `line` of the contact at rest.
+def answer_with_courses(
+    answer: Sequence[Sentence], sections: Mapping[str, Mapping[str, Any]]
+) -> list[Sentence]:
+    """Return the answer of a surface: those of wear and sliding, then its `answer` of the contact at rest.
 
     Examples
     --------
     >>> wear = {"sentences": ["Run in after 3 m: so. Proven: that."]}
-    >>> answer_with_courses("At 1 MPa: ...", {"wear": wear})
-    'Run in after 3 m: so. Before sliding, at 1 MPa: ...'
+    >>> [str(sentence) for sentence in answer_with_courses([Sentence("At 1 MPa: ...")], {"wear": wear})]
+    ['Run in after 3 m: so.', 'Before sliding, at 1 MPa: ...']
     """
     for part, before in _BEFORE.items():
         if part in sections:
             opening, *_ = sections[part]["sentences"][0].removesuffix(".").partition(". ")
-            line = f"{opening}. {before}, {line[:1].lower()}{line[1:]}" if line else f"{opening}."
-    return line
+            at_rest = [
+                first._replace(before=f"{before}, {first.before[0].lower()}{first.before[1:]}")
+                for first in answer[:1]
+            ]
+            answer = [Sentence(f"{opening}."), *at_rest, *answer[1:]]
+    return [*answer]
 
 
 def _unloading(loading: xr.Dataset, residual: xr.Dataset) -> Part:

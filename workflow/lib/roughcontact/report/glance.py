@@ -24,7 +24,7 @@ from roughcontact.arguments.answers import (
 )
 from roughcontact.arguments.quantities import Unit, percent, quantity
 from roughcontact.arguments.variables import Numbers, has_number, names_asked
-from roughcontact.report.allowed import allowed_in_words, fluid_in_words, stated_allowed
+from roughcontact.report.allowed import Sentence, allowed_in_words, fluid_in_words, stated_allowed
 from roughcontact.report.template import sentence
 from roughcontact.report.units import (
     common_pressure,
@@ -229,28 +229,35 @@ def slip_in_words(numbers: xr.Dataset, index: int) -> str:
     return sentence("sticks", known)
 
 
-def exact_remarks(cells: Sequence[Cell]) -> str:
-    """Return what the cells of a load take as exact, in one line; empty for nothing.
+def exact_remarks(cells: Sequence[Cell]) -> list[Sentence]:
+    """Return the sentence of what the cells of a load take as exact, none for nothing.
 
     Examples
     --------
-    >>> exact_remarks([Cell("20 %", remark="hardness taken as exact"), Cell("4 µm")])
+    >>> str(*exact_remarks([Cell("20 %", remark="hardness taken as exact"), Cell("4 µm")]))
     'Hardness taken as exact.'
     """
     parts = [part for cell in cells for part in cell.remark.split(", ") if part.endswith(_EXACT)]
     text = "; ".join(dict.fromkeys(parts))
-    return f"{text[0].upper()}{text[1:]}." if text else ""
+    return [Sentence(f"{text[0].upper()}{text[1:]}.")] if text else []
 
 
 def answer_line(numbers: xr.Dataset, index: int, cells: Mapping[str, Cell], *, alone: bool = False) -> str:
-    """Return what a surface is asked for at a load, whose cells of `glance_rows` these are, in one line.
+    """Return the `answer_sentences` of a surface at a load in one line."""
+    return " ".join(map(str, answer_sentences(numbers, index, cells, alone=alone)))
 
-    Whether what is allowed holds comes first. A line that is `alone` has all that the cells have.
+
+def answer_sentences(
+    numbers: xr.Dataset, index: int, cells: Mapping[str, Cell], *, alone: bool = False
+) -> list[Sentence]:
+    """Return what a surface is asked for at a load, whose cells of `glance_rows` these are.
+
+    Whether what is allowed holds comes first. Sentences that are `alone` have all that the cells have.
     """
     words, cells_asked = [], {name: cells[name] for name in asked_columns([numbers])}
     names_allowed = stated_allowed(numbers)
     allowed = [allowed_in_words(numbers, name, index) for name in names_allowed]
-    brief = {allowed_in_words(numbers, name, index, brief=True) for name in names_allowed}
+    brief = {str(allowed_in_words(numbers, name, index, brief=True)) for name in names_allowed}
     remarks = Counter(cell.remark for cell in cells_asked.values())
     repeated = [remark for remark, count in remarks.items() if remark and count > 1]
     for name, cell in cells_asked.items():
@@ -267,9 +274,10 @@ def answer_line(numbers: xr.Dataset, index: int, cells: Mapping[str, Cell], *, a
             known = [*(part.split(", ")[0] if subject else part for part in details[:1]), *known, *totals]
         precision = ", ".join(filter(None, known))
         words.append(f"{subject} {cell.text}".lstrip() + (f" ({precision})" if precision else ""))
-    line = "; ".join([f"at {cells[LOAD].text}: {', '.join(words)}", *repeated])
-    sentences = [f"{text[0].upper()}{text[1:]}." for text in [*allowed, line]]
-    return " ".join(filter(None, [*sentences, slip_in_words(numbers, index)]))
+    line = Sentence("; ".join([f"At {cells[LOAD].text}: {', '.join(words)}", *repeated]), after=".")
+    capital = [Sentence(f"{text[0].upper()}{text[1:]}", word, f"{rest}.") for text, word, rest in allowed]
+    slip = slip_in_words(numbers, index)
+    return [*capital, line, *([Sentence(slip)] if slip else [])]
 
 
 def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
@@ -309,7 +317,8 @@ def _cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) ->
         cell = Cell(NOT_JUDGED)
     if cell.text == NOT_JUDGED:
         return cell
-    allowed = [allowed_in_words(numbers, key, index, brief=True) for key in stated_allowed(numbers, name)]
+    names = stated_allowed(numbers, name)
+    allowed = (str(allowed_in_words(numbers, key, index, brief=True)) for key in names)
     details = "; ".join(filter(None, [cell.details, *allowed]))
     return cell._replace(details=details, outcome=outcome_of(numbers, index, "" if name == LOAD else name))
 

@@ -75,16 +75,18 @@ def write_report(
         numbers, cells = series[key], glance.glance_rows(series[key], units[key], loads)
         alone = len(cells) == len(finished) == 1  # then no table of loads repeats it
         if alone or len(cells) > 1:
-            line = glance.answer_line(numbers, loads[-1], cells[-1], alone=alone)
+            answer = glance.answer_sentences(numbers, loads[-1], cells[-1], alone=alone)
         else:  # the row is the answer
-            line = glance.exact_remarks([cells[0][name] for name in asked])
+            answer = glance.exact_remarks([cells[0][name] for name in asked])
         courses = course_sections(of_panel["name"], numbers, panel.parent, folder)
+        sentences = answer_with_courses(answer, courses)
         row: Row = {
             **entry,
             **of_panel,
             "panel": panel,
             "courses": courses,
-            "answer": answer_with_courses(line, courses),
+            "sentences": sentences,
+            "answer": " ".join(map(str, sentences)),
             "glance": [[at_load[name] for name in (glance.LOAD, *asked)] for at_load in cells],
             "further": [[at_load[name] for name in (glance.LOAD, *further)] for at_load in cells],
             "complete": len(cells) == numbers.sizes["load"],

@@ -68,11 +68,12 @@ def write_panel(
     reason = glance.main_doubt(numbers, doubts)
     cells = glance.glance_rows(numbers, indices=indices[-1:])[0]
     sections = dict(course_section(numbers, Path(course)) for course in courses)
+    answer = glance.answer_sentences(numbers, indices[-1], cells)
     summary: dict[str, Any] = {
         "identifier": surface if case is None else f"{case}--{surface}",
         "name": name_under(surface, case),
         "surface": surface,
-        "answer": answer_with_courses(glance.answer_line(numbers, indices[-1], cells), sections),
+        "answer": " ".join(map(str, answer_with_courses(answer, sections))),
         "verdict": verdict,
         "reasons": [outcome.reason_text(check) for check in doubts],
         "doubts": [str(check.name) for check in doubts],

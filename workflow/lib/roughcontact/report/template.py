@@ -4,7 +4,6 @@ import base64
 import hashlib
 import re
 import sys
-from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.util import cache_from_source
@@ -66,7 +65,7 @@ def _environment(folder: Path | None) -> "jinja2.Environment":
         lstrip_blocks=True,
         bytecode_cache=None if sys.dont_write_bytecode else _bytecode_cache(),
     )
-    environment.filters |= {"digests": _digests, "raised": _raised, "answered": _answered}
+    environment.filters |= {"digests": _digests, "raised": _raised}
     environment.filters |= {"number": number, "percent": percent, "quantity": quantity}
     return environment
 
@@ -103,17 +102,6 @@ def _raised(text: str) -> Markup:
     """Return a text as markup: exponents as in q^−3 are raised, keys of settings in brackets are small."""
     markup = re.sub(r"\^(−?[\d.]*\d)", r"<sup>\1</sup>", str(escape(turns_escaped(text))))
     return Markup(re.sub(rf"\((?:{_KEY}(?:, | or )?)+\)", r'<span class="key">\g<0></span>', markup))
-
-
-def _answered(text: str, decisions: Mapping[str, str]) -> Markup:
-    """Return an answer as markup: each sentence a line, words of `decisions` in the colour of an outcome."""
-    markup = re.sub(
-        rf"(?<=: )(?:{'|'.join(decisions)})(?=[,.;(]| \()",
-        lambda words: f'<b class="{decisions[words[0]]}">{words[0]}</b>',
-        str(escape(turns_escaped(text))),
-    )
-    lines = re.split(r"(?<=\.) (?=[A-Z])", markup)
-    return Markup("".join(f'<span class="answer">{line}</span>' for line in lines))
 
 
 def _digests(markup: str) -> Markup:
