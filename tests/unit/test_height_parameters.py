@@ -156,3 +156,11 @@ def test_the_areal_parameters_of_a_wave_in_micrometres():
     assert parameters["Ssw"].item() == pytest.approx(32e-6, rel=1e-12)
     scaled = rc.parameters(2 * wave)
     assert scaled["Sq"].item() == pytest.approx(2 * parameters["Sq"].item(), rel=1e-12)
+
+
+def test_infinite_heights_are_left_out_of_the_parameters(recwarn):
+    rough = np.random.default_rng(3).standard_normal((30, 40))
+    infinite, missing = (height_map(rough, 1.0, unit="m").copy() for _ in range(2))
+    infinite[4:6, 7:9], missing[4:6, 7:9] = np.inf, np.nan
+    assert rc.parameters(infinite).identical(rc.parameters(missing))
+    assert not [warning for warning in recwarn if issubclass(warning.category, RuntimeWarning)]

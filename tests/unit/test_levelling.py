@@ -261,3 +261,16 @@ def test_infinite_heights_are_missing_without_a_warning(recwarn):
     np.testing.assert_array_equal(infinite, missing)
     assert infinite.attrs["quantisation_step"] == missing.attrs["quantisation_step"] == 0
     assert not recwarn
+
+
+@pytest.mark.parametrize("kind", ["u1", "i1", "f2"])
+def test_numbers_of_a_narrow_type_are_told_apart_as_those_of_doubles(kind):
+    """Differences of small integers wrap around, and sums of half precision overflow."""
+    heights = (np.random.default_rng(0).standard_normal((60, 70)).clip(-2, 2) * 60).round().astype(int)
+    heights = heights + 127 if kind == "u1" else heights
+    narrow, double = (
+        level(height_map(np.zeros(heights.shape), 1e-6, unit="m").copy(data=heights.astype(dtype)))
+        for dtype in (kind, float)
+    )
+    for name in ("repeated_heights", "quantisation_step"):
+        assert narrow.attrs[name] == double.attrs[name]

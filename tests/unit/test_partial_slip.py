@@ -158,3 +158,11 @@ def test_the_stiffness_is_the_slope_of_the_load_over_the_displacement(ball):
     displacement = near["tangential_displacement"].values
     slope = 0.1 * FRICTION * load / (displacement[2] - displacement[0])
     np.testing.assert_allclose(near["tangential_stiffness"].values[1], slope, rtol=0.02)
+
+
+@pytest.mark.parametrize("share", [0.3, 1.0])
+def test_the_uniform_pressure_under_a_flat_map_slips_without_an_error(share):
+    flat = rc.solve_contact(rc.height_map(np.zeros((6, 5)), 1e-6), contact_modulus=1e9, mean_pressure=1e6)
+    slip = rc.partial_slip(flat, friction_coefficient=0.3, tangential_load=[share])
+    assert slip["tangential_error_bound"].item() == 0
+    np.testing.assert_allclose(slip["shear_traction"], 0.3 * share * 1e6, rtol=1e-12)

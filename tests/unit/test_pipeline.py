@@ -229,3 +229,10 @@ def test_tables_and_comparisons_are_of_their_own_kind_of_dataset(rough):
             rc.table(dataset)
     with pytest.raises(rc.SettingsError, match="two results of group_statistics"):
         rc.compare_groups(statistics, statistics)
+
+
+def test_a_flat_map_has_a_budget_without_a_warning(recwarn):
+    flat = rc.height_map(np.full((20, 30), 5e-6), 1e-6, unit="m")
+    result = rc.evaluate(flat, contact_modulus=1e9, mean_pressure=[1e6])
+    assert result["relative_contact_area"].item() == 1
+    assert not [warning for warning in recwarn if issubclass(warning.category, RuntimeWarning)]

@@ -115,13 +115,14 @@ def partial_slip(
             partner = solve_contact(height, mean_pressure=load * (1 - share), **problem).isel(load=0)
             lower, lower_gap = partner["pressure"].values, partner["gap"].values
             error = float(partner["error_bound"]) * math.sqrt(energy(lower))
-        stick = lower > 0
+        stick, change = lower > 0, energy(pressure - lower)
+        bound = float(normal["error_bound"]) * math.sqrt(total) + error
         row = {
             "shear_traction": (("y", "x"), friction * (pressure - lower)),
             "stick": (("y", "x"), stick.astype(np.int8)),
             "stick_share": float(stick.sum() / (pressure > 0).sum()),
-            "tangential_error_bound": (float(normal["error_bound"]) * math.sqrt(total) + error)
-            / math.sqrt(energy(pressure - lower)),
+            # of uniform pressures, under a flat map, without any error
+            "tangential_error_bound": bound / math.sqrt(change) if change > 0 else 0.0,
         }
         if ratio is not None:
             # by the gap, not by the approach, which depends on the rule for the mean displacement

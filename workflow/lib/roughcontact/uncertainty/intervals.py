@@ -28,6 +28,7 @@ def window_components(
     measurands = (*MEASURANDS, *(key for key in (ALONE, JOINT) if key in scatter.arms))
     windows: dict[calibration.Measurand, dict[str, Component]] = {key: {} for key in measurands}
     area, has_scatter = from_scale(AREA, middle[AREA]), bool(scatter.arms or scatter.features)
+    gap_over_height = gap / (rms_height or math.inf)  # of a flat map, whose gap is closed
     for measurand, name in product(measurands, middle):
         # without subwindows nothing bounds what other places would give
         below = above = np.full(gap.shape, np.inf)
@@ -38,7 +39,7 @@ def window_components(
         elif measurand == JOINT:  # of which the map says nothing
             continue
         elif has_scatter:
-            below, above = calibration.arms(measurand, name, scatter.features[name], area, gap / rms_height)
+            below, above = calibration.arms(measurand, name, scatter.features[name], area, gap_over_height)
         if name in CONSTRICTIONS and has_scatter:  # counted in mean gaps
             below, above = below * gap, above * gap
         if name in scatter.open_ended and measurand != "map":

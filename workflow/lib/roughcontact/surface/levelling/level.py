@@ -172,8 +172,9 @@ def level(
         "filled_share": float(fill_flags.mean()),
         "largest_hole": int(sizes.max(initial=0)),
         "fill_method": fill,
-        "repeated_heights": repeated_heights(height.values),
-        "quantisation_step": quantisation_step(height.values) or 0.0,
+        # in double: differences of integers, and of half precision, may leave their range
+        "repeated_heights": repeated_heights(np.asarray(height.values, dtype=float)),
+        "quantisation_step": quantisation_step(np.asarray(height.values, dtype=float)) or 0.0,
     }
     coords = {"y": height["y"], "x": height["x"], "filled": (("y", "x"), fill_flags)}
     if applied_alignment != "none":

@@ -155,10 +155,10 @@ def own_parameters(height: xr.DataArray) -> xr.DataArray:
     DataArray
         the same heights.
     """
-    points = height.where(height["filled"] == 0) if "filled" in height.coords else height
+    is_measured = np.isfinite(height) & (height.coords.get("filled", 0) == 0)
     result = height.copy(deep=False)
     result.attrs = {name: value for name, value in height.attrs.items() if name != "row_jitter"}
-    return record_summit(result.assign_attrs(height_parameters(points.astype(float))))
+    return record_summit(result.assign_attrs(height_parameters(height.astype(float).where(is_measured))))
 
 
 def _summit(height: xr.DataArray) -> float:
