@@ -1,4 +1,4 @@
-"""Power spectra of a periodic map: areal, radially averaged and angular."""
+"""Power spectra of a periodic map: radially averaged and angular."""
 
 import math
 
@@ -9,48 +9,6 @@ from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.si import as_si
 from roughcontact.kernels import fourier
 from roughcontact.kernels.waves import each_wave, wave_power
-
-
-@as_si
-def areal_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the areal power spectrum of a periodic map, C(q) = A |h(q)|^2 [1]_.
-
-    h(q) are the amplitudes of h(r) = sum h(q) exp(i q.r) and A is the area of the map (for a profile its
-    length), so that the mean square height is the sum of C(q) / A, or the integral of C(q) d^2q / (2 pi)^2.
-
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        periodic.
-
-    Returns
-    -------
-    qy, qx : arrays (ny,) and (nx,), rad/m
-        in the order of `numpy.fft.fftfreq`.
-    power : array (ny, nx), m^4; of a profile m^3
-
-    References
-    ----------
-    .. [1] Jacobs, T. D. B., Junge, T., Pastewka, L. (2017), Surf. Topogr.: Metrol. Prop. 5, 013001, eqs. (4)
-       and (8).
-
-    Examples
-    --------
-    >>> from roughcontact.surface.synthetic import westergaard_surface
-    >>> wave = westergaard_surface((1, 8), 0.5, amplitude=2.0, wavelength=4.0)
-    >>> qy, qx, power = areal_spectrum(wave)
-    >>> print(np.round(power, 6), round(float(power.sum()) / 4.0, 6))  # the mean square height is 2
-    [[0. 4. 0. 0. 0. 0. 0. 4.]] 2.0
-    """
-    (ny, nx), half = height.shape, wave_power(height.values)
-    half *= _area(height)
-    power = np.empty((ny, nx))
-    power[:, : half.shape[1]] = half
-    # C(-q) = C(q)
-    mirror_half = half[:, (nx - 1) // 2 : 0 : -1]
-    power[:1, half.shape[1] :], power[1:, half.shape[1] :] = mirror_half[:1], mirror_half[:0:-1]
-    qy, qx = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip((ny, nx), spacing(height), strict=True))
-    return qy, qx, power
 
 
 @as_si
