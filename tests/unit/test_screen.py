@@ -135,6 +135,24 @@ def test_warnings_of_a_face_stand_with_the_pair(tmp_path):
     assert run.lines[1].startswith("seal-2: done, 1 warning in its logs and in the report (1 of 2")
 
 
+@pytest.mark.parametrize("planned", [False, True])
+def test_a_name_that_ends_with_a_number_takes_nothing_of_the_surface_without_it(tmp_path, planned):
+    """`plate-1` may be a surface of its own, beside one called `plate`."""
+    write_record(log := tmp_path / "prepare.log", warnings=1)
+    run = Run(planned=planned)
+    run.begin()
+    for number, rule, name in ((1, "prepare", "plate"), (2, "panel", "plate-1"), (4, "panel", "plate")):
+        fields = {"rule_name": rule, "wildcards": {"result": name}, "log": [str(log)] if number == 1 else []}
+        run.tell(event="job_info", jobid=number, output=[], **fields)
+        run.tell(event="job_finished" if not planned else "", job_id=number, delay=number)
+    lines = [line.partition(" (")[0] for line in run.lines[1:]]
+    assert lines == (
+        ["plate-1: draw", "plate: prepare, draw"]
+        if planned
+        else ["plate-1: done", "plate: done, 1 warning in its logs and in the report"]
+    )
+
+
 def test_what_the_report_leaves_out_is_said(tmp_path):
     write_record(log := tmp_path / "report.log", warnings=1)
     run = Run()

@@ -49,7 +49,7 @@ class Screen:
         self.clock = Clock()
         self.logs: dict[str, list[str]] = {}
         self.plans: dict[str, dict[str, None]] = {}  # steps of each result, in order
-        self.shared: set[str] = set()  # pairs of faces whose steps are in the lines of their placements
+        self.shared: set[str] = set()  # faces of pairs whose steps are in the lines of their placements
         self.page = ""
 
     def show(self, record: logging.LogRecord, text: str) -> None:
@@ -100,8 +100,8 @@ class Screen:
         self.plans.setdefault(_owner(fields), {})[_STEPS.get(rule, rule)] = None
         if rule in _LAST:
             steps = self.plans.pop(result)
-            self.shared.add(_pair(result))
-            self._line(f"{result}: {', '.join(self.plans.get(_pair(result), {}) | steps)}")
+            self.shared.add(_faces(result))
+            self._line(f"{result}: {', '.join(self.plans.get(_faces(result), {}) | steps)}")
 
     def _end_plan(self) -> None:
         """Show what would be done for files that were asked for by name, and that nothing was."""
@@ -148,7 +148,7 @@ class Screen:
         if not fields or fields["rule_name"] not in (*_LAST, REPORT):
             return
         result = _result(fields)
-        logs = self.logs.pop(result, []) + self.logs.pop(_pair(result), [])
+        logs = self.logs.pop(result, []) + self.logs.pop(_faces(result), [])
         warnings = sum(read_record(log).get("warnings", 0) for log in logs)
         warned = (
             f", {warnings} warning{'s' * (warnings != 1)} in its logs and in the report" if warnings else ""
@@ -274,14 +274,14 @@ def _result(fields: Mapping[str, Any]) -> str:
 
 
 def _owner(fields: Mapping[str, Any]) -> str:
-    """Return the result with which a job is shown: that of a face belongs to the pair."""
+    """Return the result with which a job is shown: those of faces belong to the placements of the pair."""
     result = _result(fields)
-    return re.sub("-(counter-)?face$", "", result) if fields["rule_name"] == "prepare_face" else result
+    return re.sub("-(counter-)?face$", " faces", result) if fields["rule_name"] == "prepare_face" else result
 
 
-def _pair(result: str) -> str:
-    """Return the pair of faces of which a result may be a placement: its name without a number at the end."""
-    return re.sub(r"-\d+$", "", result)
+def _faces(result: str) -> str:
+    """Return the owner of the jobs of the faces whose placement a result may be, by the number at its end."""
+    return re.sub(r"-\d+$", " faces", result)
 
 
 def _requested(fields: Mapping[str, Any]) -> str:
