@@ -136,6 +136,16 @@ def test_a_crate_packs_what_the_run_has_read_as_it_has_read_it(run, changed, wor
     assert not list(packed.rglob("id_rsa"))
 
 
+def test_what_a_run_has_read_is_found_beside_a_link_to_its_results(run, tmp_path_factory):
+    """Results may lie on a disk for large files."""
+    copy, packed = run
+    elsewhere = tmp_path_factory.mktemp("elsewhere") / "results"
+    Path("results").rename(elsewhere)
+    Path("results").symlink_to(elsewhere)
+    copy()
+    assert sorted(path.name for path in packed.glob("measured/*/*")) == ["a.npy", "dma.csv"]
+
+
 @pytest.mark.parametrize("name", ["run_inputs", "ground/panel.html", "key.txt"])
 def test_a_link_to_elsewhere_goes_into_no_crate(results, tmp_path, name):
     """What copies or packs the folder would follow it."""

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 import shutil
 from contextlib import chdir
 from pathlib import Path
@@ -32,8 +33,9 @@ def copy_inputs(results: Path, configuration: Path, read_checksums: set[str]) ->
         raise SettingsError(f"{configuration}: no such file; name the settings of the run")
     check_yaml(configuration)
     config = yaml.safe_load(configuration.read_text(encoding="utf-8"))
-    # paths are looked up beside the results, then beside the file that names them
-    search_path = [results.resolve().parent, configuration.resolve().parent]
+    # paths are looked up beside the results, then beside the file that names them, where these stand, not
+    # where links lead to: a run does so as well
+    search_path = [Path(os.path.abspath(path)).parent for path in (results, configuration)]  # noqa: PTH100
     with chdir(search_path[0]):
         plan = Plan(*read_study(config, [".", search_path[1]], measured_in=["."], origin=str(configuration)))
     for result in plan.results:
