@@ -276,6 +276,7 @@ def test_a_table_that_is_no_text_is_named(tmp_path):
     path.unlink()
     path.mkdir()
     assert f"{path}: not readable (" in mistakes(path)
+    assert "a\0b: not readable (" in mistakes("a\0b")
 
 
 BLANKS = [

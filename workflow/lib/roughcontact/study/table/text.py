@@ -26,7 +26,7 @@ def read_table(table: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
         raise SettingsError(
             f"table of surfaces {table}, line {line}: is no text in UTF-8 ({error.reason}); save it as UTF-8"
         ) from error
-    except OSError as error:
+    except (OSError, ValueError) as error:  # of a name with a null character
         why = "no such file" if isinstance(error, FileNotFoundError) else f"not readable ({error})"
         raise SettingsError(
             f"table of surfaces {table}: {why}; correct `surfaces` in the settings, or write the table, a "
