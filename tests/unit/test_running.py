@@ -201,6 +201,17 @@ def test_names_of_64_letters_are_planned_by_snakemake(folder, capfd):
     assert main(["run", "-n", "--configfile", "settings.yaml"]) == 0, capfd.readouterr().err
 
 
+def test_what_the_command_line_states_is_laid_over_the_settings_of_the_folder(folder, capfd):
+    np.save(folder / "a.npy", np.ones((4, 4)))
+    table = "surface\tpath\tdx\tdy\tunit\n{}\ta.npy\t1\t1\tum\n"
+    (folder / "config").mkdir()
+    (folder / "config/config.yaml").write_text("surfaces: a.tsv\ncontact: {contact_modulus: 1e9}\n")
+    for name in ("a", "b"):
+        (folder / f"{name}.tsv").write_text(table.format(name))
+    assert main(["run", "-n", "--config", "surfaces=b.tsv"]) == 0, capfd.readouterr().err
+    assert "b: prepare, contact, draw" in capfd.readouterr().out
+
+
 def test_init_writes_over_nothing(folder, capsys):
     (folder / "config").mkdir()
     (folder / "config/surfaces.tsv").write_text("mine")

@@ -35,15 +35,18 @@ DEFAULT = find_file("config/config.yaml", [".", ROOT])
 STATED = workflow.configfiles
 # Relative paths: in the working directory, then beside the file that names them, then in this checkout.
 FOLDERS = [".", *(Path(file).parent for file in STATED[-1:]), ROOT]
-DEFAULTS = not STATED and not {"surfaces", "contact"} & set(config)
+# of another workflow, which has this one as a module, the files are its own
+IS_MODULE = Path(workflow.basedir).resolve() not in (
+    ROOT.resolve(),
+    ROOT.resolve() / "workflow",
+)
+# what --config states is laid over the configuration of the working directory
+HAS_OWN = os.path.isfile("config/config.yaml") and not IS_MODULE
+DEFAULTS = not STATED and (HAS_OWN or not {"surfaces", "contact"} & set(config))
 ORIGIN = "the settings"
 try:
     check_places(Path())
-    # of another workflow, which has this one as a module, the files are its own
-    if Path(workflow.basedir).resolve() in (
-        ROOT.resolve(),
-        ROOT.resolve() / "workflow",
-    ):
+    if not IS_MODULE:
         for file in STATED or [DEFAULT]:
             check_yaml(Path(file))
         # no job, here or on a cluster, takes for code what lies in the working folder
