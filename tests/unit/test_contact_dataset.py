@@ -504,3 +504,22 @@ def test_a_large_map_without_its_workspace_between_the_loads_has_the_same_soluti
     reference = rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads)
     monkeypatch.setattr("roughcontact.contact.sweep.MAX_KEPT_POINTS", 0)
     xr.testing.assert_identical(rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads), reference)
+
+
+@pytest.mark.parametrize("kind", ["u1", "i1", "u2", "i2"])
+def test_whole_numbers_of_a_narrow_type_have_the_statistics_of_doubles(kind):
+    """Differences of small integers wrap around."""
+    rough = synthetic.rough_reference_surface(40).values
+    limits = np.iinfo(kind)
+    heights = np.interp(rough, [rough.min(), rough.max()], [limits.min + 1, limits.max]).round()
+    of_whole, of_double = (
+        rc.contact_statistics(
+            rc.solve_contact(
+                height_map(np.zeros(heights.shape), 1e3, unit="m").copy(data=heights.astype(dtype)),
+                contact_modulus=1e9,
+                mean_pressure=1e8,
+            )
+        )
+        for dtype in (kind, float)
+    )
+    xr.testing.assert_identical(of_whole, of_double)

@@ -201,6 +201,8 @@ def solve_contact(
     working = DOUBLE if precision == "double" else SINGLE
     problem = nondimensionalise(window, precision=working, arrays=arrays, threads=threads)
     window = copy_to_host(window)
+    if window.dtype not in (np.float32, np.float64):  # differences of small integers would wrap around
+        window = window.astype(float)
     method = METHODS[kind.name]
     method.check(problem, rising, material, window, zero_frequency)
     solutions = method.solutions(

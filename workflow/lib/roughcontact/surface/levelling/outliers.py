@@ -46,7 +46,7 @@ def find_outliers(values: np.ndarray, *, threshold: float) -> tuple[np.ndarray, 
     finders: dict[str, Callable[[np.ndarray], np.ndarray]] = {
         "spike": partial(_spikes, threshold=threshold),
         "sentinel": _sentinels,
-        "dead_line": _dead_lines,
+        "dead_line": lambda heights: _dead_rows(heights) | _dead_rows(heights.T).T,
     }
     # repeatedly: an extreme spike may mask a smaller one by widening the spread around it
     for _ in range(_MAX_ROUNDS):
@@ -80,11 +80,6 @@ def _sentinels(values: np.ndarray) -> np.ndarray:
                 result |= sentinel
                 searching = True
     return result
-
-
-def _dead_lines(values: np.ndarray) -> np.ndarray:
-    """Return the mask of rows and columns with a single value among others that vary."""
-    return _dead_rows(values) | _dead_rows(values.T).T
 
 
 def _dead_rows(values: np.ndarray) -> np.ndarray:

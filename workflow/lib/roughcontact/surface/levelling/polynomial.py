@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Mapping, Sequence
+from itertools import product
 
 import numpy as np
 import numpy.typing as npt
@@ -189,16 +190,15 @@ def _fit_robust(basis: _Basis, heights: np.ndarray, is_measured: np.ndarray) -> 
 def _record(coefficients: np.ndarray, basis: _Basis, order: int) -> dict[str, dict]:
     """Return the record of a polynomial: mean, slopes and curvatures at the middle, coefficients."""
     quantity = {"mean": (coefficients[0, 0], "m")}
-    for nth, name, units in ((1, "slope", "1"), (2, "curvature", "m-1")):
-        if order >= nth:
-            for axis, along in ((1, "x"), (0, "y")):
-                # at the middle, where the polynomials of the other axis are not differentiated
-                py, px = (
-                    legendre.legval(0.0, legendre.legder(np.eye(count), nth if axis == k else 0))
-                    for k, count in enumerate(coefficients.shape)
-                )
-                derivative = float((coefficients * np.outer(py, px)).sum() / basis.half[axis] ** nth)
-                quantity[f"{name}_{along}"] = (derivative, units)
+    derivatives = ((1, "slope", "1"), (2, "curvature", "m-1"))[:order]
+    for (nth, name, units), (axis, along) in product(derivatives, ((1, "x"), (0, "y"))):
+        # at the middle, where the polynomials of the other axis are not differentiated
+        py, px = (
+            legendre.legval(0.0, legendre.legder(np.eye(count), nth if axis == k else 0))
+            for k, count in enumerate(coefficients.shape)
+        )
+        derivative = float((coefficients * np.outer(py, px)).sum() / basis.half[axis] ** nth)
+        quantity[f"{name}_{along}"] = (derivative, units)
     if order >= 2:
         for axis, along in ((1, "x"), (0, "y")):
             quantity[f"middle_{along}"] = (basis.middle[axis], "m")

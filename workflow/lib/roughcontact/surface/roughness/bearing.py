@@ -49,11 +49,11 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     lower = upper + slope
     # the material ratios at these heights, 0 above the curve and 1 below it
     enters, leaves = map(float, np.interp([upper, lower], curve[::-1], ratio[::-1]))
-    peaks = _material(enters, ratio, curve)
-    dales = _void(leaves, ratio, curve)
+    peaks = _area(enters, ratio, curve, above=True)
+    dales = _area(leaves, ratio, curve, above=False)
     bounds = _PEAK_RATIO, _DALE_RATIO
-    peak_material, core_material = (_material(bound, ratio, curve) for bound in bounds)
-    core_void, dale_void = (_void(bound, ratio, curve) for bound in bounds)
+    peak_material, core_material = (_area(bound, ratio, curve, above=True) for bound in bounds)
+    core_void, dale_void = (_area(bound, ratio, curve, above=False) for bound in bounds)
     extreme, middle = np.interp([_EXTREME_RATIO, _MIDDLE_RATIO], ratio, curve)
     return {
         "Sk": upper - lower,
@@ -74,19 +74,11 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     }
 
 
-def _material(material_ratio: float, ratio: np.ndarray, curve: np.ndarray) -> float:
-    """Return the area between the curve and its height at a material ratio, at smaller ratios."""
+def _area(material_ratio: float, ratio: np.ndarray, curve: np.ndarray, *, above: bool) -> float:
+    """Return the area between the curve and its height at a material ratio, above or below that height."""
     height = float(np.interp(material_ratio, ratio, curve))
-    index = int(np.searchsorted(ratio, material_ratio))
-    above = np.append(curve[:index], height)
-    above -= height
-    return float(np.trapezoid(above, np.append(ratio[:index], material_ratio)))
-
-
-def _void(material_ratio: float, ratio: np.ndarray, curve: np.ndarray) -> float:
-    """Return the area between the curve and its height at a material ratio, at larger ratios."""
-    height = float(np.interp(material_ratio, ratio, curve))
-    right = int(np.searchsorted(ratio, material_ratio, side="right"))
-    below = np.insert(curve[right:], 0, height)
-    np.subtract(height, below, out=below)
-    return float(np.trapezoid(below, np.insert(ratio[right:], 0, material_ratio)))
+    index = int(np.searchsorted(ratio, material_ratio, side="left" if above else "right"))
+    side, end = (slice(index), index) if above else (slice(index, None), 0)
+    distance = np.insert(curve[side], end, height)
+    distance -= height
+    return float(np.trapezoid(np.abs(distance, out=distance), np.insert(ratio[side], end, material_ratio)))

@@ -50,8 +50,6 @@ def side_of_whole_periods(longest: int, period: float | None) -> int:
     """Return the longest side (points) with a fast transform and whole periods, else `longest`."""
     if period is None:
         return longest
-    for side in range(longest, math.ceil(_SHORTEST * longest) - 1, -1):
-        periods = side / period
-        if is_friendly(side) and abs(periods - round(periods)) <= _TOLERANCE:
-            return side
-    return longest
+    sides = np.arange(longest, math.ceil(_SHORTEST * longest) - 1, -1)
+    is_whole = np.abs(sides / period - np.rint(sides / period)) <= _TOLERANCE
+    return next(filter(is_friendly, sides[is_whole].tolist()), longest)
