@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from measured_files import cells, holds, points, warnings_of
+from measured_files import cells, header_lines, holds, points, warnings_of
 
 ONE = np.round(np.random.default_rng(11).normal(size=(8, 10)), 3)  # nm
 ROWS, STEPS = cells(ONE), "dx: 0.5 µm\ndy: 0.25 µm\n"
@@ -14,34 +14,7 @@ def is_right(height, heights=ONE[::-1]):
     holds(height, 1e-9 * heights, 0.5e-6, 0.25e-6, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    "lines",
-    [
-        "rows are 0.25 µm apart, columns are 0.5 µm apart\nZ unit: nm",
-        "0.5 x 0.25 µm² pixel size, heights in nm",
-        "shape (8, 10), dx=0.5 dy=0.25 um, heights in nm",
-        "heights [nm], pixel 0.5 x 0.25 um^2",
-        "mesh 0.5 µm / 0.25 µm (x/y)\nZ unit: nm",
-        "X axis: 10 points, step 0.5 µm\nY axis: 8 lines, step 0.25 µm\nZ axis: nm",
-        "Point spacing: 0.5 µm / 0.25 µm\nZ unit: nm",
-        "XScanRange: 5 µm\nYScanRange: 2 µm\nPixel Width: 10\nPixel Height: 8\nZ unit: nm",
-        "Taille de balayage X: 5 µm\nTaille de balayage Y: 2 µm\nUnité Z: nm\nRayon de la pointe: 2 µm",
-        "Separación X: 0,5 micras\nSeparación Y: 0,25 micras\nAlturas en nm\nLongitud de onda: 405 nm",
-        "Intervallo X: 5 µm\nIntervallo Y: 2 µm\nPunti per linea: 10\nLinee: 8\nQuote in nm",
-        "像素尺寸 0.5 × 0.25 µm， 高度单位: nm",
-        "Sampling pitch is 0.5 micron in X and 0.25 micron in Y. Heights in nanometre",
-        "5 µm × 2 µm field, 10 x 8 pixels, heights nm",
-        "velikost pixelu 0,5 × 0,25 µm, výšky v nm",
-        "steglängd x 0,5 µm, steglängd y 0,25 µm, z i nm",
-        "un pixel = 0,5 µm sur 0,25 µm, altitudes en nm",
-        "1 Pixel = 0,5 µm x 0,25 µm, z in nm",
-        "Pixel size (row, col): 0.25 x 0.5 µm\nZ unit: nm",
-        "Spacing (line/point): 0.25 / 0.5 µm\nZ unit: nm",
-        "Field (V x H): 2 x 5 µm\nZ unit: nm",
-        "Slow/fast step: 0.25 / 0.5 µm\nZ unit: nm",
-        "Feldgröße X: 5 µm\nFeldgröße Y: 2 µm\nHöhen in nm\nArbeitsabstand: 4,7 mm",
-    ],
-)
+@pytest.mark.parametrize("lines", header_lines("size and unit"))
 def test_a_size_is_read_in_the_words_around_it(read, lines):
     is_right(read(f"{lines}\n{ROWS}"))
 
@@ -118,34 +91,10 @@ def test_a_factor_above_counts_is_asked_about(read, refused, line):
     assert read(text, ignore_lines=4).attrs["missing_points"] == 0
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        *("Réplica: sí", "Mould: Provil novo", "Empreinte silicone", "Calco del pezzo", "z -> -z"),
-        *("Afdruk: ja", "レプリカ: はい", "Реплика: да", "Eindringtiefe", "x and y swapped", "dz/dx"),
-        *("Signal in mV", "Wavefront error", "Z magnification: 100"),
-        *("Z axis reversed", "Data are -height", "Gap to the reference", "heights doubled for clarity"),
-        *("Distance of the sensor to the surface", "stored from right to left", "x axis points left"),
-        *("Gespiegelt in z", "Vorzeichen umgekehrt", "Heights times -1", "profundidad bajo la referencia"),
-    ],
-)
-def test_what_turns_the_heights_is_said(read, line):
+@pytest.mark.parametrize(("line", "check"), header_lines("check"))
+def test_what_may_turn_scale_or_thin_the_map_is_said(read, line, check):
     height = read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}")
-    assert f"line 4 says '{line}', which is not used: check first_row, the sign" in warnings_of(height)
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        *("Cropped to 10 x 8 points", "zugeschnitten", "recadrée"),
-        *("Binned 2 x 2", "Every 2nd point exported", "Jeder 2. Punkt", "Un point sur 2", "Un punto su 2"),
-        *("XY magnification 10x", "shrinkage factor 1.02"),
-        *("Datenreduktion: 2", "Tiles: 3 x 2", "Messpunkte je Spur: 40"),
-    ],
-)
-def test_what_changes_the_number_of_points_is_said(read, line):
-    height = read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}")
-    assert f"line 4 says '{line}', which is not used: check the steps" in warnings_of(height)
+    assert f"line 4 says {line!r}, which is not used: check {check}" in warnings_of(height)
 
 
 @pytest.mark.parametrize("line", ["Nicht gemessen", "Points non mesurés", "Bad pixels", "Sin datos"])
@@ -184,25 +133,7 @@ def test_a_conspicuous_number_of_invalid_points_is_their_marker_in_any_words(rea
     read(f"{STEPS}Z unit: nm\nOperator 2\n{counts}")
 
 
-@pytest.mark.parametrize(
-    ("line", "row"),
-    [
-        ("First line: bottom", "bottom"),
-        ("# z in nm, row 1 = bottom of the image", "bottom"),
-        ("lowest row first", "bottom"),
-        ("Erste Zeile: unten", "bottom"),
-        ("oberste Zeile zuerst", "top"),
-        ("Première ligne : en haut", "top"),
-        ("primera fila abajo", "bottom"),
-        ("prima riga in alto", "top"),
-        ("Row order: bottom to top", "bottom"),
-        ("第一行为底部", "bottom"),
-        ("Первая строка: верх", "top"),
-        ("Letzte Zeile ist oben", "bottom"),
-        ("première ligne = bas de l'image", "bottom"),
-        ("La prima riga è quella inferiore", "bottom"),
-    ],
-)
+@pytest.mark.parametrize(("line", "row"), header_lines("order of rows"))
 def test_the_order_of_the_rows_is_read(read, line, row):
     height = read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}")
     is_right(height, ONE if row == "bottom" else ONE[::-1])
@@ -212,34 +143,6 @@ def test_the_order_of_the_rows_is_read(read, line, row):
     assert sources["first_row"] == "line 4"
     assert not sources["not used"]
     assert "first_row" not in warnings_of(height)
-
-
-TURNED = """Lignes de bas en haut; Righe dal basso verso l'alto; tourné de 90°
-girado 90 grados; ruotato di 90°; Spalten sind Zeilen; Vertiefungen positiv; Les creux sont positifs; 深度
-Täler positiv; Abstand zum Sensor; distance sensor-surface; working distance minus height; first derivative
-Steigung; pente; pendiente; intensity image; Grauwerte; niveaux de gris; Kamerabild; phase image; Amplitude
-error map; difference of two maps; Differenz zweier Messungen; thickness map; Schichtdicke; in fringes
-Optical path difference; λ/2 units; Rückhub; Scan: return; Sens de palpage : retour; Corsa di ritorno
-Trazado de vuelta; Direction = backward; right → left; Tastrichtung: zurück; Pendenze; Carte des pentes
-Mapa de pendientes; Steigungsprofil; Curvature map; Carte de phase; Difference to CAD; Residual after fit"""
-SCALED = (
-    "Werte mit 10 multipliziert; Höhen mal 10; Höhen × 10; x10; Verstärkung 10; facteur 10; scaled by 0.1; "
-    "Signal gain: 10; Amplification du signal 10; Guadagno: 10; Ganancia 10; Z-Faktor 10"
-)
-THINNED = """jede vierte Zeile; une ligne sur quatre; una de cada cuatro líneas; una riga ogni quattro
-half size; Maßstab 1:2; gemittelt über 2 x 2 Pixel; resampled to 50 %; verkleinert auf 50 %
-scale 1:10; échelle 1/10"""
-
-
-@pytest.mark.parametrize(
-    ("lines", "check"),
-    [(TURNED, "first_row, the sign"), (SCALED, "the units"), (THINNED, "the steps dx and dy")],
-    ids=["turned", "scaled", "thinned"],
-)
-def test_what_turns_or_scales_a_map_is_said_in_five_languages(read, lines, check):
-    for line in lines.replace("\n", "; ").split("; "):
-        warnings = warnings_of(read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}"))
-        assert f"line 4 says {line!r}, which is not used: check {check}" in warnings
 
 
 def test_half_of_a_profile_is_no_whole_one(refused):
@@ -253,15 +156,7 @@ def test_words_of_validity_do_not_hide_a_marker(read, refused):
     refused(f"{STEPS}Z unit: nm\nno signal -> -2500\n{cells(table)}", "there are 2 points with that height")
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        *("Zoom: 1", "Objective 50x", "Factor 1.0", "Operator: Bas", "12:01:30", "Integral gain: 0.5"),
-        *("Messrichtung: quer zur Walzrichtung", "Sens de mesure : aller", "Direzione: avanti"),
-        *("Spring constant 40 N/m", "Cut-off (mm): 0.8", "Steigung abgezogen", "Camera gain: 12 dB"),
-        *("Slope removed", "Batch x12", "Step height standard 50 nm"),
-    ],
-)
+@pytest.mark.parametrize("line", header_lines("usual"))
 def test_usual_lines_of_a_header_cause_no_warning(read, line):
     assert "line 4" not in warnings_of(read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}"))
 
@@ -352,22 +247,7 @@ def test_a_limit_of_what_is_valid_is_asked_about_where_heights_lie_beyond(read, 
     is_right(read(head + ROWS), ONE[::-1])
 
 
-@pytest.mark.parametrize(
-    "head",
-    [
-        "Wafer of Monday, pixel 0.5 x 0.25 µm, heights in nm",
-        "Measured by our lab; dx = 0.5 µm; dy = 0.25 µm; heights in nm",
-        '{"dx_um": 0.5, "dy_um": 0.25, "z_unit": "nm"}',
-        '{\n  "dx_um": 0.5,\n  "dy_um": 0.25,\n  "z_unit": "nm"\n}',
-        "shape=(8, 10) dx=0.5um dy=0.25um z=nm",
-        "Scan range fast axis: 5 µm\nScan range slow axis: 2 µm\nTopography values in nanometers",
-        "lateral sampling 500 nm/px (x) and 250 nm/px (y)\nheight in nm",
-        "x-step/um 0.5\ny-step/um 0.25\nz/nm",
-        "Field of view (µm);5;2\nHeight unit;nm",
-        "Abtastung: 0,5 µm in x, 0,25 µm in y; Höhen in Nanometern",
-        "Breite des Messfeldes: 5 µm\nHöhe des Messfeldes: 2 µm\nz/nm",
-    ],
-)
+@pytest.mark.parametrize("head", header_lines("comments"))
 def test_what_people_write_above_a_map(read, head):
     is_right(read("\n".join("# " + line for line in head.splitlines()) + "\n" + ROWS), ONE[::-1])
 

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from measured_files import cells, holds, points, warnings_of
+from measured_files import cells, header_lines, holds, points, warnings_of
 
 from roughcontact.io.inspection import inspect_file
 
@@ -173,139 +173,20 @@ def test_columns_of_points_in_several_units(read):
 # ---------------------------------------------------------------- headers
 
 
-@pytest.mark.parametrize(
-    ("lines", "words"),
-    [
-        (["Pixel size: 0.5 µm", "Width: 10 µm"], "line 1 says .*, line 2 says .*10 columns"),
-        (["Width: 5 µm", "Width: 6 µm", "Height: 2 µm"], "line 1 says .*, line 2 says"),
-        (["dx = 0.5 µm", "dy = 0.25 µm", "XY unit: mm"], "line 1 says .*, line 3 says .*units do not agree"),
-        (["Width: 5 mm", "Height: 2 µm"], "line 1 says .*, line 2 says .*units make pixels"),
-        (["Width: 1,234 µm", "Height: 2 µm"], "line 1 says 'Width: 1,234 µm'.*separate thousands"),
-        (["Width (mm): 5 µm", "Height: 2 µm"], r"line 1 says 'Width \(mm\): 5 µm'"),
-        (["Width: 10", "Height: 8", "Unit: µm"], "line 1 says 'Width: 10', and there are 10 columns"),
-        (["Scan size: 20 µm", "Width: 5 µm", "Height: 2 µm"], "line 1 says .*, line 2 says"),
-        (["Resolution: 0.35 µm"], "give dx, dy, unit"),
-        (["X range: 0 .. 5 µm", "Y range: 0 - 2 µm"], "give dx, dy, unit"),
-        (["Width: 5 x 2 µm"], "give dx, dy, unit"),
-        (["Pixel size: 0.5 µm 0.25 µm 0.001 µm"], "give dx, dy, unit"),
-        (["Pixel size: 1/2 µm"], "give dx, dy, unit"),
-        (["Pixel size: 1 234 nm"], "give dx, dy, unit"),
-        (["Step: 0.5 µm"], "give dx, dy, unit"),
-        (["Length: 5 µm", "Width: 5 µm", "Height: 3 µm"], "line 3 says .* or the range of its heights"),
-        (["dx: 0.5 µm", "Höhe: 3 µm"], "line 1 says .*, line 2 says .* range of its heights"),
-        (["Spacing: 0.5 µm", "Track spacing: 0.25 µm"], "line 2 says .*, line 1 says"),
-        (["X step (motor): 0.5 µm", "Y step (motor): 0.5 µm"], "give dx, dy, unit"),
-        (["Camera pixel size: 6.5 µm", "Pixel size: 6.5 µm (camera)"], "give dx, dy, unit"),
-    ],
-)
+@pytest.mark.parametrize(("lines", "words"), header_lines("contradiction"))
 def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, words):
-    text = "\n".join([*lines, "Z unit: nm", ROWS])
+    text = f"{lines}\nZ unit: nm\n{ROWS}"
     refused(text, words)
     holds_nm(read(text, dx=0.5, dy=0.25, unit="um"), ONE[::-1])
 
 
-@pytest.mark.parametrize(
-    "lines",
-    [
-        ["Width: 5 µm", "Height: 2 µm", "Pixel size: 0.5 µm x 0.25 µm", "nx: 10"],
-        ["dx=0.0005 mm, dy=0.00025 mm", "Width: 5 µm"],
-        ["dx = 0,5 µm; dy = 0,25 µm"],
-        ["Width (µm): 5", "Height (µm): 2", "Image size: 10 x 8 pixels", "Scan size: 5 µm"],
-        ["Pixel size (µm): 0.5 x 0.25", "Resolution: 0.35 µm"],
-        ["Scan size: 5x2 µm", "Resolution: 10 x 8"],
-        ["Image size, 5 µm × 2 µm"],
-        ["Pixel size: 0.5 by 0.25 µm", "Field of view: 5; 2 µm"],
-        ["Pixel size: 0.5, 0.25 µm", "Z scale: 1"],
-        ["Pixel size: 0.5 µm / 0.25 µm", "Z scale: 300 nm"],
-        ["Pixel size: 0.5 µm 0.25 µm"],
-        ["Point spacing: 0.5 µm", "Line spacing: 0.25 µm", "Camera pixel size: 6.5 µm"],
-        ["X size: 5 µm", "Height: 2 µm", "Z inverted: no", "Bad pixels: 7"],
-        ["dx: 0.5 µm +/- 0.01 µm", "dy: 0.25 µm"],
-        ["Pixel size X: 0.5 µm", "Pixel size Y: 0.25 µm", "X range: 0 .. 5 µm"],
-        # both sides in one phrase, in either order
-        ["Pixel size: x 0.5 µm, y 0.25 µm"],
-        ["Pixel size: [0.5, 0.25] µm"],
-        ["Pixel size: 0.25 µm (y) x 0.5 µm (x)"],
-        ["Pixel size (y, x): 0.25 x 0.5 µm"],
-        ["dy, dx = 0.25, 0.5 µm"],
-        ["Spacing x=0.5 µm y=0.25 µm"],
-        ["Sampling: 0.5 µm in x, 0.25 µm in y"],
-        ["Sampling interval: 0.5 µm; line spacing: 0.25 µm"],
-        ["The pixels are 0.5 µm wide and 0.25 µm high", "Points: 8 x 10"],
-        ["Scan size (HxW): 2 x 5 µm", "Resolution: 10 x 8"],
-        ["Scan area 5 µm wide, 2 µm high"],
-        ["5.0 µm wide, 2.0 µm high"],
-        ["X resolution: 2 px/µm", "dy: 0.25 µm"],
-        ["Axis: X", "Size: 10 points", "Spacing: 0.5 µm", "Axis: Y", "Size: 8 lines", "Spacing: 0.25 µm"],
-        ["Pixel x: 0.5 µm", "Pixel y: 0.25 µm"],
-        ["Column width: 0.5 µm", "Row spacing: 0.25 µm"],
-        ["Pixel (x): 0.5 µm", "Pixel size (y): 0.25 µm"],
-        ["Size (X): 5 µm", "Size [y]: 2 µm"],
-        ["Cell width: 0.5 µm", "Pixel dimension y: 0.25 µm"],
-        ["Width per pixel: 0.5 µm", "Lateral step y: 0.25 µm"],
-        ["Breite eines Pixels: 0.5 µm", "Pixelmaß y: 0.25 µm"],
-        ["Lx = 5 µm", "Ly = 2 µm"],
-        ["Feldbreite: 5 µm", "Ausdehnung y: 2 µm"],
-        ["FOV: 5 x 2 µm", "PointsPerLine=10", "LinesPerImage=8"],
-        ["Pixel x: 10", "Pixel y: 8", "Pixel width: 0.5 µm", "Pixel height: 0.25 µm"],
-        ['"Pixel x","0.5 µm"', '"Pixel y","0.25 µm"'],
-        ["Pixel spacing: 0.5/0.25 µm (x/y)"],
-        ["Pixel spacing: 0.25/0.5 µm (y/x)"],
-        ["Hauteur x largeur: 2 x 5 µm"],
-        # an axis and a noun
-        ["Pixelgröße x: 0.5 µm", "Schrittweite y: 0.25 µm", "Width: 10"],
-        ["Pas d'échantillonnage X: 0.5 µm", "Pas Y: 0.25 µm"],
-        ["Messfeld X: 5 µm", "Extent in y: 2 µm"],
-        ["Abstand der Punkte in x: 0.5 Mikrometer", "Abstand der Punkte in y: 0.25 Mikrometer"],
-        ["图像宽度: 5 µm", "图像高度: 2 µm"],
-        ["X方向像素尺寸: 0.5 µm", "Y間隔: 0.25 µm"],
-        ["가로: 5 µm", "세로: 2 µm"],
-        ["Шаг по X: 0.5 мкм", "Размер Y: 2 мкм"],
-        ["Axis X - Spacing: 0.5 µm", "Axis Y - Size: 8 lines", "dy_um=0.25"],
-        ["幅： 5 µm", "高さ： 2 µm"],
-        ["X Amplitude: 5000nm", "Y Amplitude: 2000nm", "Lens resolution: 0.35 µm"],
-        [r"Pixel size: 0.5 $\mu$m x 0.25 $\mu$m"],
-        ["Pixel width: 0.5 &micro;m", "Pixel height: 0.25 &micro;m"],
-        ["ScanWidth=5", "ScanHeight=2", "ScanUnit=µm"],
-        ["dx = 0.5 µm, dy = 0.25 µm, z in nm"],
-        ["x-step 0.5 µm, y-step 0.25 µm, z in nm"],
-        ["10 columns x 8 rows, pixel 0.5 µm x 0.25 µm, heights nm"],
-        ["pixel size (x, y): 0.5, 0.25 µm; 10 x 8 points"],
-        ["dx=0.5e-6 dy=0.25e-6 unit=m"],
-        ["xreal: 5e-6 m", "yreal: 2e-6 m", "xres: 10", "yres: 8"],
-        ["Résolution x: 0,5 µm/pixel", "Espacement y: 0,25 µm", "Hauteurs (nm)"],
-        ["Size X: 5 µm, Size Y: 2 µm", "Z-values nm"],
-        ["Der Zeilenabstand beträgt 0,25 µm.", "Abtastschritt x: 0,5 µm", "Vertikale Einheit: nm"],
-        ["Échantillonnage x: 0,5 µm", "Le pas y est de 0,25 µm", "Les hauteurs sont en nm"],
-        ["Campionamento x: 0,5 µm", "Il passo y: 0,25 µm", "Tutte le altezze in nm"],
-        ["Muestreo x: 0,5 µm", "El paso y es de 0,25 µm", "Las alturas están en nm"],
-    ],
-)
+@pytest.mark.parametrize("lines", header_lines("size"))
 def test_statements_that_agree_are_used(read, lines):
     for how in ("plain", "quoted", "apart", "closed"):
-        holds_nm(read(dressed("\n".join([*lines, "Z unit: nm", ROWS]), how)), ONE[::-1])
+        holds_nm(read(dressed(f"{lines}\nZ unit: nm\n{ROWS}", how)), ONE[::-1])
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        *(
-            "# x,y in um; z in nm",
-            "x, y in µm, heights in nm",
-            "// # x,y in um; Höhe in nm",
-            "# lateral units um, heights nm",
-            "# coordinates in um, heights in nm",
-            "# x/um, y/um, z/nm",
-        ),
-        *(
-            "Units: um, um, nm",
-            "% Einheiten: um / um / nm",
-            "unit of x and y um, of z nm",
-            "// [um] [um] [nm]",
-            "# x, y: um, z: nm",
-        ),
-    ],
-)
+@pytest.mark.parametrize("line", header_lines("units of axes"))
 @pytest.mark.parametrize("separator", [" ", ",", ";", "\t"])
 def test_a_line_gives_the_units_of_the_axes(read, line, separator):
     holds_nm(read(f"{line}\n{cells(points(ONE, 0.5, 0.25), separator)}"), ONE)
@@ -357,22 +238,7 @@ def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refus
     read(f"Photon counts: 30\nBit resolution: 16\n{counts}", **GIVEN)
 
 
-@pytest.mark.parametrize(
-    ("line", "words"),
-    [
-        ("Z inverted: yes", "'Z inverted: yes', which is not used: check first_row, the sign"),
-        ("Origin: bottom left", "which is not used"),
-        ("Data: Deflection", "which is not used"),
-        ("Aspect,0.5", "'Aspect,0.5', which is not used"),
-        ("Binning: 2x2", "'Binning: 2x2', which is not used: check the steps dx and dy"),
-        ("every second line omitted", "omitted', which is not used: check the steps dx and dy"),
-        ("Pixel size: 0.5 µm\nAspect ratio: 2", "line 2 .* which is not used: check the steps"),
-        ("Spacing: 0.5 µm", "line 1 says 'Spacing: 0.5 µm': taken as the step along x and along y"),
-        ("dx: 0.5 µm\ndy: 250 nm", "the steps are stated in µm along x and in nm along y: check both"),
-        ("Surface 1 [µm]", "'Surface 1 .µm.', which is not used: check the units"),
-        ("Channel: Phase", "channel 'Phase' is read as heights, which by its name it does not hold"),
-    ],
-)
+@pytest.mark.parametrize(("line", "words"), header_lines("doubt"))
 def test_statements_that_are_not_understood_are_said(read, line, words):
     height = read(f"{line}\n{ROWS}", **GIVEN)
     assert re.search(words, warnings_of(height))
@@ -543,23 +409,7 @@ def test_what_a_map_needs_has_a_source(read, tmp_path):
     assert "dy" not in origins
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        "Sampling: 0.4 µm",
-        "Point distance: 400 nm",
-        "Δx = 0.4 µm",
-        "Step size (µm): 0.4",
-        "Pixel: 0.4 µm",
-        "Messpunktabstand: 0,4 µm",
-        "Pas d'échantillonnage: 0.4 µm",
-        "X-Resolution: 0.4 µm",
-        "Increment 0.4 µm",
-        "Grid of 40 x 40",
-        "fast pitch = 0.4 µm",
-        "Pixel size: 0.5 µm, binned to 1 µm",
-    ],
-)
+@pytest.mark.parametrize("line", header_lines("another step"))
 def test_a_step_of_any_name_that_the_size_contradicts_is_asked_about(read, refused, line):
     refused(matrix(*SIZED, line), f"line 4 says {re.escape(repr(line))}, .* agree.*dx, dy and unit")
     holds_nm(read(matrix(*SIZED, line), **GIVEN), ONE[::-1])
@@ -604,22 +454,6 @@ def test_length_and_width_are_both_asked_about(read, refused):
 
 
 @pytest.mark.parametrize(
-    "line",
-    [
-        "Pixel size (y, x): 0.25 x 0.5 µm",
-        "Pixel size (dy, dx): 0.25, 0.5 µm",
-        "Scan size (HxW): 2 x 5 µm",
-        "Image size (height x width): 2 µm x 5 µm",
-        "Field (y × x): 2 × 5 µm",
-        "Pixel size (x, y): 0.5 x 0.25 µm",
-        "Pixel size: 0.5 µm | 0.25 µm",
-    ],
-)
-def test_the_order_of_two_sides_is_that_in_brackets(read, line):
-    holds_nm(read(matrix(line, "Z unit: nm")), ONE[::-1])
-
-
-@pytest.mark.parametrize(
     "line", ["Z-Werte in 0,1 nm", "1 Digit = 0,1 nm", "Height in 0.1 nm", "Z sensitivity 0.1 nm/inc"]
 )
 def test_the_length_of_one_count_is_its_factor(read, line):
@@ -627,54 +461,13 @@ def test_the_length_of_one_count_is_its_factor(read, line):
     holds_nm(read(matrix(line, heights=counts), **GIVEN), counts[::-1] / 10)
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        "Divide by 10 to get nm",
-        "Height (nm/10)",
-        "z = counts * 0.1 nm",
-        "Heights in tenths of nanometres",
-        "Auflösung Z: 0,1 nm",
-        "LSB = 0.1 nm",
-        "Valeurs en dixièmes de nm",
-    ],
-)
+@pytest.mark.parametrize("line", header_lines("factor"))
 def test_a_factor_above_counts_is_asked_about_in_any_words(read, refused, line):
     counts = np.round(100 * ONE)
     refused(
         matrix(line, heights=counts), f"line 1 says '{re.escape(line)}', and all heights are whole", **GIVEN
     )
     holds_nm(read(matrix(line, heights=counts), **GIVEN, ignore_lines=1), counts[::-1])
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "Replica: yes",
-        "Imprint: yes",
-        "Abdruck: ja",
-        "Abformung",
-        "Negative replica",
-        "Silicone cast of a shaft",
-        "Mirrored in z",
-        "depth below reference plane",
-        "Multiplied by -1",
-        "Réplique: oui",
-        "stored column by column",
-        "Magnification in z: 10x",
-        "Units: V",
-        "z in volts",
-        "slope in mrad",
-        "Temperature in °C",
-        "z multiplied by 1000",
-        "values are phase in degrees",
-        "signal: reflectivity",
-        "data rotated by 90°",
-    ],
-)
-def test_hills_that_may_be_valleys_or_other_quantities_are_said(read, line):
-    message = f"line 4 says '{line}', which is not used: check first_row, the sign"
-    assert message in warnings_of(read(matrix(*SIZED, line)))
 
 
 def test_volts_are_no_lengths(refused):
