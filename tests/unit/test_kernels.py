@@ -95,7 +95,7 @@ def outs(fields):
 def weigh(engine, fields, factors, arrangement):
     """Weigh cells of six parts each, with a next coarser grid."""
     weights = fields["weight"], fields["share"], (2, 3), arrangement
-    engine.weigh(*weights, fields["inner_out"], fields["other_out"], factors, *outs(fields))
+    engine.weigh(*weights, fields["inner_out"], fields["other_out"], (factors, *outs(fields)))
 
 
 # every kernel, called with what it is for
@@ -103,7 +103,7 @@ CALLS = {
     "multiply": lambda k, f, factors, cap: k.multiply(f["spectrum"], f["symbol"]),
     "divide": lambda k, f, factors, cap: k.divide(f["spectrum"], f["symbol"], f["counts"]),
     "measure": lambda k, f, factors, cap: k.measure(
-        f["separation"], f["heights"], 0.3, 0.8, f["start"], f["before"], OFFSET, f["pressure"], cap
+        f["separation"], (f["heights"], 0.3, 0.8), (f["start"], f["before"], OFFSET), f["pressure"], cap
     ),
     "slope_power": lambda k, f, factors, cap: k.slope_power(
         f["spectrum"], f["waves"], f["along_y"], f["along_x"]
@@ -116,14 +116,14 @@ CALLS = {
         f["heights"], 0.3, 0.8, f["inner_out"]
     ),
     "masked_residual": lambda k, f, factors, cap: k.masked_residual(
-        f["pressure"], f["separation"], OFFSET, cap, f["inner_out"], factors, *outs(f)
+        f["pressure"], f["separation"], OFFSET, cap, f["inner_out"], (factors, *outs(f))
     ),
     "advance": lambda k, f, factors, cap: k.advance(
         *(f["pressure"], f["correction"], f["passed"], f["coarse"], factors),
         *(0.2, 0.87, cap, f["outer_out"], f["active"], f["coarse_out"]),
     ),
     "predict_active": lambda k, f, factors, cap: k.predict_active(
-        f["pressure"], f["passed"], WEIGHTS, 0.3, cap, f["active"], factors, *outs(f)
+        f["pressure"], f["passed"], WEIGHTS, 0.3, cap, f["active"], (factors, *outs(f))
     ),
     "redistribute": lambda k, f, factors, cap: k.redistribute(
         f["pressure"], f["passed"], f["coarse"], factors, f["active"], cap
@@ -320,7 +320,7 @@ def test_the_active_set_is_where_the_gap_should_vanish(engine):
     separation = np.array([[-1.0] * 3, [0.0] * 3, [2.0] * 3]) + 0.25
     values = np.empty((3, 3))
     cells = (3, 3), np.empty((1, 1)), np.empty((1, 1))
-    engine.masked_residual(pressure, separation, 0.25, 1.0, values, *cells)
+    engine.masked_residual(pressure, separation, 0.25, 1.0, values, cells)
     assert cells[1] == pytest.approx(5 / 9)
     assert cells[2] == pytest.approx(2 / 9)
     np.testing.assert_array_equal(values, [[-1, -1, 0], [0, array_api.CLOSED, 0], [0, 2, 2]])
@@ -368,7 +368,7 @@ def test_points_that_are_foreseen_to_carry_nothing_leave_the_active_set(engine):
     values = np.array([[-2.0, -1.0, 3.0, 0.0, 0.5, 9.0]])  # the fourth is inactive as it is
     # less the mean of both neighbours: -6, -1.5, 3.5, -1.5, -4.5, 10
     cells = (1, 6), np.empty((1, 1)), np.empty((1, 1))
-    engine.predict_active(pressure, residual, (0.0, 0.5, 0.0), 0.1, 1.0, values, *cells)
+    engine.predict_active(pressure, residual, (0.0, 0.5, 0.0), 0.1, 1.0, values, cells)
     assert cells[1] == pytest.approx(4 / 6)
     assert cells[2] == pytest.approx(6.5 / 6)
     np.testing.assert_array_equal(values, [[-2, -1, 0, 0, 0.5, 9]])
@@ -449,7 +449,7 @@ def test_weights_lie_between_one_piece_and_pieces_far_apart(engine, arrangement)
     # cells of 2 x 2 parts, in rows: none, one part, two, all four in contact, four with a hundredth each
     parts, share = np.array([[[0, 0.25, 0.5, 1, 0.1]], [[0, 0.25, 0.5, 1, 0.01]]])
     empty, gain, weight, passed = np.empty((4, 1, 5))
-    engine.weigh(parts, share, (2, 2), arrangement, empty, gain, (1, 1), weight, passed)
+    engine.weigh(parts, share, (2, 2), arrangement, empty, gain, ((1, 1), weight, passed))
     np.testing.assert_array_equal(passed, share)
     np.testing.assert_allclose(weight[0, :2], [0, 0.5])  # the size of a single part is its own
     assert 0.5**0.5 < weight[0, 2] < 1
@@ -531,7 +531,7 @@ def test_line_contacts_weigh_as_conductors_in_parallel_behind_the_logarithm_of_t
     def weigh(parts, factors):
         (empty, gain), weight = np.empty((2, *parts.shape)), np.empty_like(parts)
         arrangement = Arrangement.ALONG_A_LINE
-        engine.weigh(parts, parts, factors, arrangement, empty, gain, (1, 1), weight, parts.copy())
+        engine.weigh(parts, parts, factors, arrangement, empty, gain, ((1, 1), weight, parts.copy()))
         np.testing.assert_allclose(empty, 1 - weight)
         return weight
 

@@ -29,7 +29,7 @@ from roughcontact.kernels.arrays import (
     namespace,
 )
 from roughcontact.kernels.choose import kernels_for
-from roughcontact.kernels.protocol import Factors, Weights
+from roughcontact.kernels.protocol import Factors, Heights, Weights
 
 # The load that the projection removes is redistributed to the contact around it, in up to so many passes,
 # until the rest, as a share of the load, is small enough to be shared by all of the contact. Profiles need
@@ -111,16 +111,16 @@ class Grid:
         """
         precision = get_precision(pressure)
         if precision == SINGLE:
-            heights, reference, unit = self.rounded_heights(SINGLE), 0.0, 1.0
+            heights: Heights = self.rounded_heights(SINGLE), 0.0, 1.0
         else:
             self._single = None  # the copy is no longer needed
-            heights, reference, unit = self._given, self._reference, self._unit
+            heights = self._given, self._reference, self._unit
         separation = self.halfspace.displacement(pressure, out=out)
-        start = pressure, pressure, 0.0  # without a former state the line to this one has no length
+        before = pressure, pressure, 0.0  # without a former state the line to this one has no length
         if former is not None:
-            start = former.pressure, former.separation, former.offset
+            before = former.pressure, former.separation, former.offset
         work, square, total, count, slope, slope_after = self.kernels.measure(
-            separation, heights, reference, unit, *start, pressure, self.cap
+            separation, heights, before, pressure, self.cap
         )
         size = n_elements(pressure)
         state = State(
@@ -142,7 +142,7 @@ class Grid:
         interpolation = self.interpolator(precision)
         values, field = interpolation.values, interpolation.field
         cells = interpolation.factors, interpolation.share, interpolation.cell_means
-        self.kernels.masked_residual(state.pressure, state.separation, state.offset, self.cap, values, *cells)
+        self.kernels.masked_residual(state.pressure, state.separation, state.offset, self.cap, values, cells)
         if interpolation.bends:
             self._foresee_violations(state, interpolation)
         interpolation.interpolate(share_known=not interpolation.bends)
@@ -151,7 +151,7 @@ class Grid:
         if predict:
             weights, stiffness = self._local_stiffness()
             self.kernels.predict_active(
-                state.pressure, field, weights, STIFFNESS_SHARE * stiffness, self.cap, values, *cells
+                state.pressure, field, weights, STIFFNESS_SHARE * stiffness, self.cap, values, cells
             )
             interpolation.interpolate(share_known=True)
         spectrum, energy = self.halfspace.pressure_spectrum(field)

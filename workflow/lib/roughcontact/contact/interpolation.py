@@ -23,7 +23,7 @@ import numpy as np
 from roughcontact.contact.coarsening import grid_pitches, has_separate_lines, hierarchy, stencil
 from roughcontact.contact.elasticity.medium import HALF_SPACES, Medium
 from roughcontact.kernels.arrays import Array, empty, namespace
-from roughcontact.kernels.protocol import Arrangement, Factors, Weights
+from roughcontact.kernels.protocol import Arrangement, Cells, Factors, Weights
 
 # Wavenumbers, over the inverse pitch of a cell, whose factor counts for it where the base makes the surface
 # stiffer, and where it makes it softer than its own material is
@@ -129,11 +129,11 @@ class Interpolation:
             fine_share = grid.empty if number else self.share
             coarser = self.grids[number + 1] if number + 1 < len(self.grids) else None
             if grid.line_gain is None:
-                weigh_arguments = fine_share, grid.work, grid.factors, grid.arrangement, grid.empty, grid.gain
-                if coarser is None:  # nothing needs the means: into workspace of the same shape
-                    kernels.weigh(*weigh_arguments, (1, 1), *self._sweep_work)
-                else:
-                    kernels.weigh(*weigh_arguments, coarser.factors, coarser.empty, coarser.work)
+                next_cells: Cells = (1, 1), *self._sweep_work  # which nothing needs
+                if coarser is not None:
+                    next_cells = coarser.factors, coarser.empty, coarser.work
+                shares, fields = (fine_share, grid.work), (grid.empty, grid.gain)
+                kernels.weigh(*shares, grid.factors, grid.arrangement, *fields, next_cells)
                 continue
             # every line that is in contact at all counts as one full cell
             is_filled = xp.astype(fine_share > 0, fine_share.dtype)

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from roughcontact.kernels.arrays import Array, n_elements, namespace
-from roughcontact.kernels.protocol import Arrangement, Factors, Weights
+from roughcontact.kernels.protocol import Arrangement, Cells, Factors, Former, Heights, Weights
 
 CLOSED = 1e-30  # replaces a gap of zero at a point of the active set
 NEGLIGIBLE_LOAD = 1e-5  # share of the load of a cell; smaller loads of its parts are rounding errors
@@ -91,27 +91,16 @@ def make_dimensionless(heights: Array, reference: float, unit: float, out: Array
     out[...] = xp.astype((heights - reference) / unit, out.dtype)
 
 
-def measure(
-    separation: Array,
-    heights: Array,
-    reference: float,
-    unit: float,
-    start: Array,
-    previous: Array,
-    offset: float,
-    pressure: Array,
-    cap: float,
-) -> Array:
+def measure(separation: Array, heights: Heights, former: Former, pressure: Array, cap: float) -> Array:
     """Subtract the heights from the displacement in `separation`, in place; return six sums over the grid.
 
     They are: pressure x displacement; displacement squared; separation over the free contact {0 < p < cap},
     and the number of its points; change of pressure x separation before the step, and after it, both less
-    `offset`, which cancels except for rounding. Heights count as (height - `reference`) / `unit`; `start` and
-    `previous` are pressure and separation before the step.
+    the offset, which cancels except for rounding. Heights count as (height - reference) / unit.
     """
-    xp = namespace(pressure)
+    xp, (field, reference, unit), (start, previous, offset) = namespace(pressure), heights, former
     displacement = xp.asarray(separation, copy=True)  # overwritten below
-    separation -= (heights - reference) / unit
+    separation -= (field - reference) / unit
     free = (pressure > 0) & (pressure < cap)
     change = pressure - start
     return (
@@ -125,20 +114,12 @@ def measure(
 
 
 def masked_residual(
-    pressure: Array,
-    separation: Array,
-    offset: float,
-    cap: float,
-    values: Array,
-    factors: Factors,
-    share: Array,
-    cell_means: Array,
+    pressure: Array, separation: Array, offset: float, cap: float, values: Array, cells: Cells
 ) -> None:
     """Write the gap on the active set to `values`, zero elsewhere.
 
     See `active_set`. A gap of zero on the active set is replaced by `CLOSED`, so that the values are zero at
-    inactive points only. The share of active points over blocks of `factors` cells goes to `share`, the mean
-    of the values to `cell_means`.
+    inactive points only. The share of active points, and the mean of the values, go to the `cells`.
     """
     xp = namespace(pressure)
     gap = separation - offset
@@ -146,8 +127,7 @@ def masked_residual(
     values[...] = xp.astype(xp.where(active, gap, xp.zeros_like(gap)), values.dtype)
     # zero stands for "not active": an active point whose gap is closed needs another value
     values[...] = xp.where(active & (values == 0), xp.full_like(values, CLOSED), values)
-    block_mean(xp.astype(values != 0, share.dtype), factors, share)
-    block_mean(values, factors, cell_means)
+    _to_cells(values, cells)
 
 
 def predict_active(
@@ -157,9 +137,7 @@ def predict_active(
     stiffness: float,
     cap: float,
     values: Array,
-    factors: Factors,
-    share: Array,
-    cell_means: Array,
+    cells: Cells,
 ) -> None:
     """Set `values` to zero where points are predicted to lose contact; the rest as in `masked_residual`.
 
@@ -175,8 +153,7 @@ def predict_active(
     # what bears the cap does not lose its contact
     active = (values != 0) & ((prediction > 0) | (pressure >= cap))
     values[...] = xp.where(active, values, xp.zeros_like(values))
-    block_mean(xp.astype(values != 0, share.dtype), factors, share)
-    block_mean(values, factors, cell_means)
+    _to_cells(values, cells)
 
 
 def advance(
@@ -308,16 +285,14 @@ def weigh(
     arrangement: Arrangement,
     empty: Array,
     gain: Array,
-    next_factors: Factors,
-    next_parts: Array,
-    next_share: Array,
+    coarser: Cells,
 ) -> None:
     """Compute the weight of every cell from the mean weight of its parts; write their ratio to `gain`.
 
     The weight is the relative linear size of the contact: the root of its `share` in one piece, the sum of
     the sizes of its parts if they are far apart, reduced by mutual shielding; the geometric mean for an
     unknown arrangement. `empty`, which may be the array `fine_share`, becomes 1 - weight, and the means over
-    blocks go to `next_parts` and `next_share`.
+    blocks, and those of the share, go to the cells of the `coarser` grid.
     """
     xp, count = namespace(share), factors[0] * factors[1]
     if arrangement == Arrangement.ALONG_A_LINE:
@@ -330,6 +305,7 @@ def weigh(
         weight = clusters if arrangement == Arrangement.SCATTERED else xp.sqrt(root_share * clusters)
     gain[...] = weight / _or_one(xp, fine_share)
     empty[...] = 1 - weight
+    next_factors, next_parts, next_share = coarser
     block_mean(weight, next_factors, next_parts)
     block_mean(share, next_factors, next_share)
 
@@ -520,6 +496,13 @@ def active_set(pressure: Array, gap: Array, cap: float) -> Array:
     no_load, at_cap = pressure <= 0, pressure >= cap
     # points that bear nothing but overlap, points at the cap that have opened, and all in between
     return (no_load & (gap < 0)) | (at_cap & (gap > 0)) | ~(no_load | at_cap)
+
+
+def _to_cells(values: Array, cells: Cells) -> None:
+    """Write the share of `values` that are not zero, and their mean, to the fields of `cells`."""
+    factors, share, means = cells
+    block_mean(namespace(values).astype(values != 0, share.dtype), factors, share)
+    block_mean(values, factors, means)
 
 
 def _distributed(coarse: Array, factors: Factors, shape: tuple[int, ...]) -> Array:

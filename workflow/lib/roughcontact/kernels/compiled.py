@@ -142,16 +142,19 @@ class Compiled:
     def make_dimensionless(self, heights, reference, unit, out):
         self._over_lines("make_dimensionless", (heights, out), reference, 1 / unit)
 
-    def measure(self, separation, heights, reference, unit, start, previous, offset, pressure, cap):
-        arrays = separation, heights, start, previous, pressure
+    def measure(self, separation, heights, former, pressure, cap):
+        (field, reference, unit), (start, previous, offset) = heights, former
+        arrays = separation, field, start, previous, pressure
         return tuple(self._over_lines("measure", arrays, reference, 1 / unit, offset, cap)[:6])
 
-    def masked_residual(self, pressure, separation, offset, cap, values, factors, share, cell_means):
-        arrays = pressure, separation, values, share, cell_means
+    def masked_residual(self, pressure, separation, offset, cap, values, cells):
+        factors, share, means = cells
+        arrays = pressure, separation, values, share, means
         self._over_grid("masked_residual", arrays, offset, cap, factors=factors, blocks=share)
 
-    def predict_active(self, pressure, residual, weights, stiffness, cap, values, factors, share, cell_means):
-        arrays, numbers = (pressure, residual, values, share, cell_means), (*weights, stiffness, cap)
+    def predict_active(self, pressure, residual, weights, stiffness, cap, values, cells):
+        factors, share, means = cells
+        arrays, numbers = (pressure, residual, values, share, means), (*weights, stiffness, cap)
         self._over_grid("predict_active", arrays, *numbers, factors=factors, blocks=share, lines=3)
 
     def advance(self, pressure, correction, inflow, coarse, factors, mean, length, cap, out, values, share):
@@ -182,9 +185,8 @@ class Compiled:
     def block_mean(self, field, factors, out):
         self._over_grid("block_mean", (field, out), factors=factors, blocks=out)
 
-    def weigh(
-        self, fine_share, share, factors, arrangement, empty, gain, next_factors, next_parts, next_share
-    ):
+    def weigh(self, fine_share, share, factors, arrangement, empty, gain, coarser):
+        next_factors, next_parts, next_share = coarser
         arrays, (fy, fx) = (fine_share, share, empty, gain, next_parts, next_share), factors
         numbers = fy * fx, arrangement, *next_factors
         self._over_grid("weigh", arrays, factors=numbers, blocks=next_share, lines=next_factors[0] + 1)
