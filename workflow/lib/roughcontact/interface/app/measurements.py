@@ -91,8 +91,8 @@ def inspect(row: Row) -> dict[str, Any]:
                 result["line"] = f"{points_in_words(held)}, {field_in_words(held)}, heights over {span}"
                 if held["missing_points"]:
                     result["line"] += f", {percent(held['missing_share'])} not measured"
-                # where the unit of all may not be that of the heights
-                needed += ["height_unit"] * bool(content["warnings"] and "unit" in entries)
+                # where the unit that the file, or `unit`, says may not be that of the heights
+                needed += ["height_unit"] * any("unit" in doubt for doubt in content["warnings"])
     except Exception as error:  # a reader may raise anything
         result["text"] = result["line"] = error_in_words(error)
         needed = [*getattr(error, "keys", ())]

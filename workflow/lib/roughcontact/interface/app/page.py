@@ -66,10 +66,9 @@ class Page:
         self.changed = ""
         places = self._read_again()
         action, job, texts = form.get("page.do", ""), form.get("page.job", self.job), self.texts
-        self.look, new_field = form.get("page.look", self.look), form.get("page.more", "")
+        self.look = form.get("page.look", self.look)
         names = [name for name in form if not name.startswith(("rows.", "page."))]
         changes = {study.name_of_field(name): form[name] for name in names}
-        changes |= {new_field: ""} if new_field else {}
         # what stood in the place of a group or a list goes
         texts = {
             name: text
@@ -101,7 +100,7 @@ class Page:
             if self.checked["mistakes"] or 0 < len(rows) == measurements.unread(self.reader.inspected(rows)):
                 raise SettingsError("nothing is started: correct first what is listed under 4 Run")
             self.run.start()
-        return self.html(more=new_field)
+        return self.html()
 
     def _rows_after(self, action: str, form: Mapping[str, str], rows: list[study.Row]) -> list[study.Row]:
         """Return the rows after the action of a button."""
@@ -132,12 +131,11 @@ class Page:
         read = sum(reading.done() for reading in self.reader.readings.values())
         return f"{hash(repr((self.revision, read, self.run.state(), reports))):x}"
 
-    def html(self, *, more: str = "") -> str:
-        """Return the page, with a further field of a list, if any, to begin with."""
+    def html(self) -> str:
+        """Return the page."""
         news, rows = self.news(), self.reader.inspected(self.rows)  # what comes meanwhile is news
-        config = fields.grouped(self.texts)
-        variables = {"news": news, "rows": rows, "config": config, "more": more}
-        return self.filled("page", screen=self.run.state(), **variables)
+        config, screen = fields.grouped(self.texts), self.run.state()
+        return self.filled("page", news=news, rows=rows, config=config, screen=screen)
 
     def with_bar(self, report: Path, home: str) -> str:
         """Return a page of the results below the bar of this one, which lies at `home`."""

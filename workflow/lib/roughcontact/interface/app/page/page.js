@@ -25,9 +25,7 @@ async function put(response) {
   const text = await response.text();
   if (!response.ok) element("problem").textContent = text;
   if (!response.ok || !text) return;
-  const answer = new DOMParser().parseFromString(text, "text/html"), focus = answer.querySelector("[autofocus]");
-  merged(document.querySelector("main"), answer.querySelector("main"));
-  element(focus?.id)?.focus();
+  merged(document.querySelector("main"), new DOMParser().parseFromString(text, "text/html").querySelector("main"));
 }
 
 // One after the other: what is done last is answered last.
@@ -57,7 +55,12 @@ async function upload(files) {
 
 document.addEventListener("submit", event => {
   event.preventDefault();
-  step(() => post(Object.fromEntries(new FormData(event.target, event.submitter))));
+  step(async () => {
+    await post(Object.fromEntries(new FormData(event.target, event.submitter)));
+    const shown = element(event.submitter?.name);  // a further field, or the map, for which it asks
+    shown?.focus();
+    shown?.scrollIntoView({ block: "nearest" });  // it may have the focus already
+  });
 });
 document.addEventListener("input", ({ target }) => {
   if (target.type === "file") {
