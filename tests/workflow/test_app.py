@@ -585,6 +585,23 @@ class TestMap:
         (study / "measured/ramp.sdf").write_bytes(sdf_bytes(ramp, 1e-6))
         with served(study) as address:
             self.show_only_map(browser, address)
+            # at once in view, however much is above it, and closed again
+            browser.evaluate("document.styleSheets[0].insertRule('#columns { margin-bottom: 60rem; }')")
+            for width in (400, 1400):
+                browser.resize(width)
+                browser.evaluate("document.querySelector('.thumbnail').scrollIntoView()")
+                click(browser, ".thumbnail")
+                saved(browser)
+                top, height = browser.evaluate(
+                    "[document.querySelector('#tools').getBoundingClientRect().top, innerHeight]"
+                )
+                assert 0 < top < height - 100, width
+                assert browser.evaluate("document.activeElement.className") == "viewer"
+            browser.evaluate("document.styleSheets[0].deleteRule(0)")
+            click(browser, ".viewer h3 button")
+            browser.wait("!document.querySelector('.viewer') && !document.querySelector('#map')")
+            click(browser, ".thumbnail")
+            browser.wait("document.querySelector('#map image')")
             size = browser.evaluate(
                 "(async () => { const image = new Image(); "
                 "image.src = document.querySelector('#map image').getAttribute('href'); "
@@ -713,6 +730,26 @@ class TestStart:
         lines = (ROOT / "app.bat").read_bytes().split(b"\r\n")
         assert b'py "%~dp0run.py" app "%folder%"' in lines
         assert not any(b"\n" in line for line in lines)
+
+    def test_ctrl_c_amid_the_imports_ends_it(self, tmp_path):
+        """Where an exception would be ignored, as while an object is thrown away."""
+        (tmp_path / "sitecustomize.py").write_text(
+            "import os, signal, sys\n"
+            "class Thrown:\n"
+            "    def __del__(self):\n"
+            "        os.kill(os.getpid(), signal.SIGINT)\n"
+            "class Finder:\n"
+            "    def find_spec(self, name, *_):\n"
+            "        if name == 'roughcontact.interface.app.server':\n"
+            "            Thrown()\n"
+            "sys.meta_path.insert(0, Finder())\n"
+        )
+        command = [*PROGRAM, "app", str(tmp_path / "study"), "--no-browser"]
+        environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+        pipes = {"capture_output": True, "text": True, "timeout": 60}
+        ended = subprocess.run(command, env=environment, check=False, **pipes)
+        assert (ended.returncode, ended.stdout) == (130, "")
+        assert ended.stderr == "roughcontact: interrupted\n"
 
     def test_packages_that_are_missing_are_named_as_pip_takes_them(self, tmp_path):
         (tmp_path / "sitecustomize.py").write_text(
@@ -1695,6 +1732,14 @@ class TestForm:
         assert checked["mistakes"] == {}
         assert list(checked["plan"].results) == ["one", "two"]
 
+    def test_the_unit_of_the_heights_is_offered_where_it_is_in_doubt(self, tmp_path):
+        text = "# Value units: m\n# Width: 12 µm\n# Height: 8 µm\n1 1.5 3\n-2 -3 -6\n"
+        (tmp_path / "measured/own.txt").write_text(text)
+        inspection = measurements.inspect({"path": "measured/own.txt"})
+        assert "check the height unit" in " ".join(inspection["warnings"])
+        assert inspection["columns"] == ["height_unit"]
+        assert measurements.inspect({"path": "measured/one.x3p"})["columns"] == []
+
     def test_the_channel_that_is_read_is_named(self, tmp_path, monkeypatch):
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tone.nid\n")
         channels = [{"name": name, "is_height": True} for name in ("Topography forward", "Topography")]
@@ -1722,11 +1767,10 @@ class TestForm:
         assert reason not in page.html()
         assert not re.search('id="start"[^>]* aria-disabled', page.html())
 
-    def test_a_further_field_takes_the_focus_once(self):
-        page = Page()
-        field = '<input id="contact.mean_pressure.1"[^>]* autofocus'
-        assert re.search(field, page.after({"page.more": "contact.mean_pressure.1"}))
-        assert "autofocus" not in page.html()  # news while the run goes on
+    def test_a_further_field_is_asked_for_by_its_name(self):
+        page, further = Page(), "contact.mean_pressure.1"
+        assert further not in form_fields(page.first())
+        assert further in form_fields(page.after({further: ""}))
 
     @pytest.mark.parametrize("bodies", ["[steel, PEEK]", "[{material: steel}, {layers: [steel, PEEK]}]"])
     def test_a_word_for_a_body_and_a_number_for_a_list_are_changed_by_their_fields(self, bodies, tmp_path):

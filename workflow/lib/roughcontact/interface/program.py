@@ -9,6 +9,7 @@ import errno
 import os
 import re
 import shlex
+import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -449,6 +450,8 @@ def _app(options: argparse.Namespace) -> int:
         lines = [line.replace('"', "'").partition("; ") for line in requires("roughcontact") or ()]
         further = shlex.join(name for name, _, extra in lines if extra in extras)
         raise SettingsError(f"{missing[0]} is not installed: pip install {further}")
+    # there is nothing to end before it serves; an exception amid imports may be printed, and be lost
+    signal.signal(signal.SIGINT, lambda *_: os._exit(_failed("interrupted", 130)))
     from roughcontact.interface.app.server import serve
 
     try:

@@ -169,8 +169,9 @@ def serve(folder: Path, *, port: int = 0, browser: bool = True) -> int:
         config = uvicorn.Config(
             app, http=Connection, ws="none", log_config=None, backlog=20, timeout_graceful_shutdown=1
         )
-        # uvicorn raises the signal again: it ends the program by what follows
+        # uvicorn raises the signals again: they end the program by what follows
         signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         try:
             if browser:
                 open_in_browser(address)
