@@ -193,7 +193,9 @@ def local_scale(statistics: Statistics) -> Check | None:
     """Check that the rms height is below 0.05 of the approach of a form (Johnson 1985, section 13.5)."""
     if "local_contact_area" not in statistics:
         return None
-    last = statistics.isel(load=int(statistics["force"].values.argmax()))
+    largest = int(statistics["force"].values.argmax())
+    names = "force", "local_contact_area", "local_mean_gap", "hertz_radius"
+    last = {name: statistics[name].values[largest] for name in names}
     # the least approach: under the smallest force roughness is largest against the form
     ratio = float(statistics["rms_height"] / statistics["hertz_approach"].min())
     lengths = [statistics[f"window_length_{axis}"] for axis in "xy"]
@@ -333,9 +335,7 @@ def load_range(statistics: Statistics) -> Check:
     >>> load_range(both).sentence
     'The contact covers 11.0 % to 100 % of the area.'
     """
-    full, loads = (
-        int((statistics["relative_contact_area_pixels"].values == 1).sum()),
-        statistics.sizes["load"],
-    )
+    all_full = bool((statistics["relative_contact_area_pixels"].values == 1).all())
     low, high = (f.reduce(statistics["relative_contact_area"].values) for f in (np.fmin, np.fmax))
-    return judge("Load range", {"full": full == loads == 1, "all full": full == loads}, low=low, high=high)
+    cases = {"full": all_full and statistics.sizes["load"] == 1, "all full": all_full}
+    return judge("Load range", cases, low=low, high=high)

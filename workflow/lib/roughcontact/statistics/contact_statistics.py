@@ -27,15 +27,8 @@ from roughcontact.errors import SettingsError
 from roughcontact.kernels.waves import wave_power
 from roughcontact.statistics import conductance, densities, subsurface, theory
 from roughcontact.statistics.adhesion import adhesion_numbers
-from roughcontact.statistics.conductance import Bodies
 from roughcontact.statistics.contact_geometry import contact_perimeter, point_area, relative_contact_area
 from roughcontact.statistics.decisions import TIGHT, gap_is_closed, is_lifted
-from roughcontact.statistics.densities import (
-    HARDNESS_OVER_MODULUS,
-    bearing_numbers,
-    density,
-    logarithmic_edges,
-)
 from roughcontact.statistics.finite_body import finite_body_columns
 from roughcontact.statistics.friction import friction_statistics
 from roughcontact.statistics.precision import widened
@@ -88,7 +81,7 @@ def contact_statistics(
     friction: Mapping[str, Any] | None = None,
     allowed_pressure: float | None = None,
     requirement: Mapping[str, float] | None = None,
-    bodies: Bodies | None = None,
+    bodies: conductance.Bodies | None = None,
     surface: "SurfaceNumbers | None" = None,
 ) -> xr.Dataset:
     """Return the statistics of each load of a contact solution.
@@ -179,10 +172,11 @@ def contact_statistics(
     # a flat map has neither gradient nor heights to set the scale of the bins
     edges = {
         "pressure": (modulus * parameters["rms_gradient"] or modulus)
-        * logarithmic_edges(densities.PRESSURE_DECADES, pressure_bins),
-        "gap": (surface.peak_to_valley or steps[1]) * logarithmic_edges(densities.GAP_DECADES, gap_bins),
+        * densities.logarithmic_edges(densities.PRESSURE_DECADES, pressure_bins),
+        "gap": (surface.peak_to_valley or steps[1])
+        * densities.logarithmic_edges(densities.GAP_DECADES, gap_bins),
         "patch": point_area(height.shape, steps)
-        * logarithmic_edges(densities.PATCH_DECADES, densities.PATCH_BINS),
+        * densities.logarithmic_edges(densities.PATCH_DECADES, densities.PATCH_BINS),
     }
     # a solution of its own: unasked only where there is a seal
     with_flow = kind.has_flow and (flow == "always" or (flow == "auto" and seal is not None))
@@ -221,7 +215,7 @@ def contact_statistics(
             columns[f"max_von_mises_{axis}"] += height[axis].values[0] if height[axis].size > 1 else np.nan
         attrs["stresses_of"] = subsurface.strained_body_in_words(bodies or ())
     if "hardness" not in contact:
-        coordinates["hardness_over_modulus"] = ("hardness_over_modulus", HARDNESS_OVER_MODULUS)
+        coordinates["hardness_over_modulus"] = ("hardness_over_modulus", densities.HARDNESS_OVER_MODULUS)
     variables = {name: (("load", *_FURTHER_DIM.get(name, ())), values) for name, values in columns.items()}
     material = {name: float(contact[name]) for name in ("contact_modulus", "hardness") if name in contact}
     for name, values in conductance.conductivity_ranges(bodies).items():
@@ -268,13 +262,12 @@ def leaks_of_seal(
     return leak_columns(columns["mean_gap"], columns, **fluid), numbers
 
 
-_SIZES = {"contact_area": 1.0, "contact_radius": 0.5}  # of a finite body -> the power of the area
 # variable -> the quantity and its power that it goes with, where the budget corrects that
 _PROPORTIONAL = {
     **dict.fromkeys(("contact_stiffness", "thermal_conductance", "electrical_conductance"), (CONDUCTANCE, 1)),
     **dict.fromkeys(("thermal_resistance", "electrical_resistance"), (CONDUCTANCE, -1)),
-    **dict.fromkeys(("friction_coefficient", *_FLASH_TEMPERATURES), (AREA, 1)),
-    **{name: (AREA, power) for name, power in _SIZES.items()},
+    **dict.fromkeys(("friction_coefficient", *_FLASH_TEMPERATURES, "contact_area"), (AREA, 1)),
+    "contact_radius": (AREA, 0.5),
 }
 
 
@@ -374,18 +367,20 @@ def _factors(statistics: xr.Dataset, name: str) -> tuple[xr.DataArray | float, x
 def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
     """Return the ends of sizes, of area or K/E* times a property of the bodies, and of resistances."""
     lowest, most = _factors(statistics, "electrical_resistivity")
-    proportions = {
-        "thermal_conductance": (CONDUCTANCE, _factors(statistics, "thermal_conductivity")),
-        "electrical_conductance": (CONDUCTANCE, (1 / most, 1 / lowest)),
-        "friction_coefficient": (AREA, _factors(statistics, "shear_strength")),
+    factors_of_properties = {
+        "thermal_conductance": _factors(statistics, "thermal_conductivity"),
+        "electrical_conductance": (1 / most, 1 / lowest),
+        "friction_coefficient": _factors(statistics, "shear_strength"),
+        **dict.fromkeys(("contact_area", "contact_radius"), (1.0, 1.0)),  # of a finite body
     }
     bounds: dict[str, xr.DataArray] = {}
-    for name, (base, factors) in proportions.items():
+    for name, factors in factors_of_properties.items():
+        base, power = _PROPORTIONAL[name]
         if not {name, f"{base}_lower"} <= {*statistics} or statistics[base].isnull().all():
             continue
         # the same factor at value and ends
-        unit = statistics[name] / statistics[base]
-        ends = (unit * statistics[f"{base}{suffix}"] for suffix in ENDS[1:])
+        ratios = (statistics[f"{base}{suffix}"] / statistics[base] for suffix in ENDS[1:])
+        ends = (statistics[name] * ratio**power for ratio in ratios)
         lower, upper = widened((statistics[name], *ends), factors)
         bounds |= {f"{name}_lower": lower, f"{name}_upper": upper}
         if base == CONDUCTANCE:
@@ -393,10 +388,6 @@ def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
             # a conductance without an upper end leaves a resistance down to none
             bounds[f"{resistance}_lower"] = (1 / upper).fillna(0.0).where(lower.notnull())
             bounds[f"{resistance}_upper"] = (1 / lower).where(lower > 0)
-    for name, power in _SIZES.items():
-        if {name, f"{AREA}_lower"} <= {*statistics}:
-            ratios = {suffix: statistics[f"{AREA}{suffix}"] / statistics[AREA] for suffix in ENDS[1:]}
-            bounds |= {f"{name}{suffix}": statistics[name] * ratio**power for suffix, ratio in ratios.items()}
     return bounds
 
 
@@ -603,13 +594,15 @@ def _one_load(
     of_map = {
         **({} if body is None else subsurface.stress_columns(pressure, steps, border=border, **body)),
         "elastic_energy": elastic_energy(pressure, steps, elasticity),
-        "pressure_density": density(contact_pressures, edges["pressure"]),
+        "pressure_density": densities.density(contact_pressures, edges["pressure"]),
     }
-    bearing = bearing_numbers(contact_pressures, contact_modulus=elasticity.modulus, hardness=hardness)
+    bearing = densities.bearing_numbers(
+        contact_pressures, contact_modulus=elasticity.modulus, hardness=hardness
+    )
     at_hardness = None if hardness is None else carrying(pressure, hardness)
     del pressure, contact_pressures  # before the gap is read: one map at a time
     gap = contact["gap"].isel(load=load).values
-    gap_density = density(gap[~touching], edges["gap"])
+    gap_density = densities.density(gap[~touching], edges["gap"])
     # within the contact the gap is rounding: the solver keeps its mean there at zero
     open_gap = np.where(touching, 0.0, gap)
     del gap
@@ -642,7 +635,7 @@ def _one_load(
         },
         **passage,
         **of_map,
-        "patch_area_density": density(patches, edges["patch"]),
+        "patch_area_density": densities.density(patches, edges["patch"]),
         "gap_density": gap_density,
         **bearing,
     }
@@ -675,7 +668,9 @@ def _inverse(compliance: float) -> float:
     return 1 / compliance if compliance > 0 else np.inf
 
 
-def _body_to_strain(stress: Extra, bodies: Bodies | None, kind: KindFacts) -> Mapping[str, Any] | None:
+def _body_to_strain(
+    stress: Extra, bodies: conductance.Bodies | None, kind: KindFacts
+) -> Mapping[str, Any] | None:
     """Return the body whose stresses below the surface are computed; None where they are not wanted."""
     if bodies and properties_of_bodies(bodies):
         bodies = check_bodies(bodies)

@@ -214,11 +214,7 @@ def quantisation(window: Attributes) -> Check:
     'review'
     """
     step, rms_height = (float(window.get(name, 0.0)) for name in ("quantisation_step", "Sq"))
-    cases = {
-        "unknown": "quantisation_step" not in window,
-        "none": not step,
-        "fine": not coarse_step(window),
-    }
+    cases = {"unknown": "quantisation_step" not in window, "none": not step, "fine": not coarse_step(window)}
     of_height = f", {percent(step / rms_height)} of the rms height" if rms_height else ""
     return judge("Quantisation", cases, step=step, of_height=of_height)
 

@@ -127,15 +127,12 @@ def target_loads(
 
 def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> list[float]:
     """Return the mean pressures (Pa) of the section `contact`: as stated, relative, planned, by target."""
-    stated_values = {key: value for key, value in contact.items() if value is not None}
-    material: dict[str, Any] = {key: contact.get(key) for key in ("contact_modulus", "hardness")}
-    load_settings = {
-        key: stated_values[key] for key in ("mean_pressure", "relative_pressure") if key in stated_values
-    }
-    targets = {key: stated_values[key] for key in TARGETS if key in stated_values}
+    material = _settings_of(contact, "contact_modulus", "hardness")
+    load_settings = _settings_of(contact, "mean_pressure", "relative_pressure")
+    targets = _settings_of(contact, *TARGETS)
     loads = plan_loads(window, **material, **load_settings) if load_settings or not targets else []
     if targets:
-        solver = {key: contact[key] for key in (*_SOLVER, "bodies") if key in contact}
+        solver = _settings_of(contact, *_SOLVER, "bodies")
         loads_of_targets = target_loads(window, **material, **targets, threads=threads, **solver)
         loads += [load for load in loads_of_targets if load not in loads]
     if not loads:
@@ -145,6 +142,11 @@ def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: i
             keys=list(targets),
         )
     return loads
+
+
+def _settings_of(contact: Mapping[str, Any], *keys: str) -> dict[str, Any]:
+    """Return those of the settings that have a value."""
+    return {key: contact[key] for key in keys if contact.get(key) is not None}
 
 
 def _state(window: xr.DataArray, load: float, /, **solver: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -331,7 +333,7 @@ def add_first_yield(
             hardness=hardness,
             start=start,
             threads=threads,
-            **{key: contact[key] for key in _SOLVER if key in contact},
+            **_settings_of(contact, *_SOLVER),
             **bodies_for_solver(contact.get("bodies")),
         )
     except HeightMapError:

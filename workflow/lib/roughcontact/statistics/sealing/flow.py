@@ -11,13 +11,7 @@ import numpy.typing as npt
 
 from roughcontact.statistics.sealing.connectivity import connected_regions
 from roughcontact.statistics.sealing.gas import slip_factor
-from roughcontact.statistics.sealing.multigrid import (
-    Network,
-    Solver,
-    factorised,
-    minimised,
-    multigrid,
-)
+from roughcontact.statistics.sealing.multigrid import Network, Solver, factorised, minimised, multigrid
 
 _MAX_STEPS = 500
 # steps of the multigrid after which a network of at most so many points is factorised, in up to 1600 bytes a

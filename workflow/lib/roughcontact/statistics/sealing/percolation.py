@@ -17,13 +17,9 @@ def percolation_columns(gap: np.ndarray) -> dict[str, float]:
     This is the largest height that an open path around the period keeps everywhere (Persson and Yang 2008, J.
     Phys. Condens. Matter 20, 315011), exactly, by bisection; 0 without percolation.
     """
-    y, x = _levels(gap)
-    return {
-        "gap_percolates_x": int(x > 0),
-        "gap_percolates_y": int(y > 0),
-        "critical_constriction_x": x,
-        "critical_constriction_y": y,
-    }
+    levels = dict(zip("xy", reversed(_levels(gap)), strict=True))
+    is_open = {f"gap_percolates_{axis}": int(level > 0) for axis, level in levels.items()}
+    return is_open | {f"critical_constriction_{axis}": level for axis, level in levels.items()}
 
 
 def half_way_levels(gap: np.ndarray) -> dict[str, float]:
