@@ -80,8 +80,11 @@ def test_a_film_has_the_resistance_of_the_area_that_is_stated():
 @pytest.mark.parametrize(
     ("joint", "message"),
     [
-        ({"gas_conductivity": 0.026}, "joint: gas_conductivity and temperature_jump belong together"),
-        (AIR | {"film_thickness": "5 nm"}, "joint: film_thickness and film_conductivity belong together"),
+        ({"gas_conductivity": 0.026}, "joint.gas_conductivity: needs temperature_jump, or leave both out"),
+        (
+            AIR | {"film_thickness": "5 nm"},
+            "joint.film_thickness: needs film_conductivity, or leave both out",
+        ),
         (AIR | {"film": "5 nm"}, "joint has film: takes allowed_resistance, "),
     ],
 )

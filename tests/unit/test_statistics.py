@@ -505,7 +505,9 @@ def test_options_of_the_statistics_by_name_and_with_their_keys():
         ("seal", seal, "seal has viscosity, pressure_difference: takes .*; needs width"),
         ("seal", seal | {"length": 1e-2, "width": 1e-2}, "seal has .*length"),
         ("friction", {"friction_coefficient": 0.2}, "friction has friction_coefficient: takes coefficient, "),
-        ("friction", {"coefficient": 0.2}, "friction.coefficient: needs the tangential_load or speed"),
+        ("friction", {"coefficient": 0.2}, "friction: has no result; add tangential_load, shear_strength or"),
+        ("friction", {"speed": 1.0}, "friction.speed: needs the coefficient or shear_strength"),
+        ("friction", {"tangential_load": [0.5]}, "friction.tangential_load: needs the coefficient"),
     ):
         with pytest.raises(SettingsError, match=words):
             contact_statistics(contact, **{section: options})

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact.arguments.ranges import ends, name_of_range, weighted
+from roughcontact.arguments.settings.needs import check_needs
 from roughcontact.arguments.stacks import half_spaces, materials_in, top_material
 from roughcontact.contact.elasticity.influence import HALF_SPACE, Elasticity
 from roughcontact.contact.elasticity.media import conduction
@@ -37,8 +38,10 @@ def conductance_columns(
     return columns
 
 
-_PAIRS = ("gas_conductivity", "temperature_jump"), ("film_thickness", "film_conductivity")
-_OF_JOINT = {"area", "heat_flow", "allowed_resistance", "allowed_temperature_drop"}.union(*_PAIRS)
+_OF_JOINT = {
+    *("gas_conductivity", "temperature_jump", "film_thickness", "film_conductivity"),
+    *("area", "heat_flow", "allowed_resistance", "allowed_temperature_drop"),
+}
 
 
 def conductivity_ranges(bodies: Bodies | None) -> dict[str, tuple[float, float, float]]:
@@ -85,10 +88,7 @@ def gas_arguments(joint: Mapping[str, Any] | None) -> dict[str, float] | None:
     if unknown := values.keys() - _OF_JOINT:
         text = f"joint has {', '.join(sorted(unknown))}: takes {', '.join(sorted(_OF_JOINT))}"
         raise SettingsError(text, keys=["joint"])
-    for pair in _PAIRS:
-        if len(values.keys() & {*pair}) == 1:
-            text = f"joint: {' and '.join(pair)} belong together; give both or neither"
-            raise SettingsError(text, keys=["joint"])
+    check_needs("joint", values)
     if not values.keys() & {"gas_conductivity", "film_thickness"}:
         return None
     return {"conductivity": values.get("gas_conductivity", 0.0), "jump": values.get("temperature_jump", 1.0)}

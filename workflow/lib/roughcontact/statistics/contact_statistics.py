@@ -15,6 +15,7 @@ from roughcontact.arguments.finite_body import recover_roughness
 from roughcontact.arguments.kinds import FINITE_BODY, KindFacts, facts_of
 from roughcontact.arguments.maps import areal_only, spacing
 from roughcontact.arguments.named_materials import named_bodies
+from roughcontact.arguments.settings.needs import check_needs
 from roughcontact.arguments.si import as_si
 from roughcontact.arguments.stacks import properties_of_bodies, top_material
 from roughcontact.arguments.variables import describe
@@ -160,6 +161,7 @@ def contact_statistics(
             )
     check_solution(contact)
     check_keys("friction", friction, friction_statistics)
+    check_needs("friction", friction)
     bodies = bodies and named_bodies(bodies)
     kind, medium = facts_of(contact.attrs), recorded_medium(contact.attrs)
     body = _body_to_strain(stress, bodies, kind)

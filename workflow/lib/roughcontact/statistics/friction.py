@@ -30,8 +30,6 @@ def friction_statistics(
     `speed` (m/s), with the stated `coefficient` or this one, goes into both bodies, the second of which moves
     along x (`flash_temperature`).
     """
-    if tangential_load is None and shear_strength is None and speed is None:
-        raise _missing("coefficient", "tangential_load or speed")
     columns, load = xr.Dataset(), float(contact["mean_pressure"].item())
     if shear_strength is not None:
         # a junction shears at its strength, whatever the pressure
@@ -41,8 +39,7 @@ def friction_statistics(
             columns["shear_strength"] = shear_strength
             columns["shear_strength_lower"], columns["shear_strength_upper"] = bounds
     if tangential_load is not None:
-        if coefficient is None:
-            raise _missing("tangential_load", "coefficient")
+        assert coefficient is not None  # `check_needs`
         slip = partial_slip(
             contact,
             friction_coefficient=coefficient,
@@ -52,12 +49,13 @@ def friction_statistics(
         columns = columns.merge(_drop_maps(slip).expand_dims("load"))
         columns.attrs["slip_approximation"] = APPROXIMATION
     if speed is not None:
-        if coefficient is None and shear_strength is None:
-            raise _missing("speed", "coefficient or shear_strength")
         conductivities = [k for body in half_spaces(bodies) if (k := body.get("thermal_conductivity"))]
         # flash temperatures are those of two half-spaces
         if len(conductivities) != 2:
-            raise _missing("speed", "thermal_conductivity of both bodies, without layers")
+            raise SettingsError(
+                "friction.speed: needs the thermal_conductivity of both bodies, without layers",
+                keys=["statistics.friction.speed"],
+            )
         if coefficient is None:
             coefficient = columns["friction_coefficient"].item()
             # so that the temperatures follow the interval of the area
@@ -96,8 +94,3 @@ def _equivalent_ratio(bodies: Sequence[Mapping[str, Any]] | None) -> float | Non
 def _drop_maps(dataset: xr.Dataset) -> xr.Dataset:
     """Return the numbers of a result, without its maps and the coordinates of the contact."""
     return dataset.drop_dims(("y", "x")).reset_coords(drop=True)
-
-
-def _missing(key: str, condition: str) -> SettingsError:
-    """Return the error of a key of the section that needs another one."""
-    return SettingsError(f"friction.{key}: needs the {condition}", keys=[f"statistics.friction.{key}"])

@@ -13,9 +13,9 @@ from roughcontact.arguments.kinds import facts_of_settings, named_settings
 from roughcontact.arguments.materials import contact_modulus
 from roughcontact.arguments.named_materials import TRANSPORT, modulus_uncertainty, named_bodies
 from roughcontact.arguments.ranges import OF_BODIES, ends, name_of_range, shares_of_range
-from roughcontact.arguments.rows import rows_beside
 from roughcontact.arguments.settings.messages import dotted, mistake, name_mistake, named, setting_error
 from roughcontact.arguments.settings.models import Settings
+from roughcontact.arguments.settings.needs import unmet_needs
 from roughcontact.arguments.settings.plausible import implausible_together
 from roughcontact.arguments.stacks import located_materials, properties_of_bodies
 from roughcontact.errors import SettingsError
@@ -24,12 +24,6 @@ from roughcontact.errors import SettingsError
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure", "force"))
 # what steel on PEEK is written as
 _BODIES = "bodies: [steel, {youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
-# settings or values, what they need one of, and what is wrong without
-_NEEDS = [
-    (key, {*any_of.split(", ")}, text)
-    for keys, any_of, text in rows_beside(__file__, "needs.tsv")
-    for key in keys.split(", ")
-]
 # what each course needs; the last of them rises
 _COURSES = {"wear": ("coefficient", "distance"), "sliding": ("speed",)}
 _RIGID = 0.01  # share of a rigid face in the displacement
@@ -154,13 +148,10 @@ def _mistakes_in_needs(settings: Mapping[str, Any]) -> Mistakes:
     """Yield the settings of which nothing is stated that they need."""
     bodies, facts = settings["contact"]["bodies"] or (), facts_of_settings(settings)
     of_bodies = (*TRANSPORT, "relaxation", "creep_modulus")
-    stated = {name for name in of_bodies if any(body[name] for body in bodies)}
-    for name, value in named_settings(settings):
-        stated |= {name, f"{name} = {value!r}"} if value is not None else set()
-    for key, any_of, text in _NEEDS:
+    properties = {name for name in of_bodies if any(body[name] for body in bodies)}
+    for key, text in unmet_needs(settings, properties):
         # what is excluded needs nothing
-        excluded = facts.reason_against(key) or facts.reason_against(key.rpartition(".")[0])
-        if key in stated and not stated & any_of and not excluded:
+        if not (facts.reason_against(key) or facts.reason_against(key.rpartition(".")[0])):
             name, equals, value = key.partition(" = ")
             yield name, f"{equals}{value}: {text}"
 
