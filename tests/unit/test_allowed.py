@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from known_surfaces import self_affine
 
-from roughcontact import SettingsError, evaluate
+from roughcontact import evaluate
 from roughcontact.arguments.answers import ALLOWED_VALUES, TOTALS
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.arguments.variables import VARIABLES
@@ -138,32 +138,6 @@ def test_gas_and_film_are_in_the_totals_and_in_their_ends():
     assert with_allowed(open_above, {"joint": {"area": 1e-4}})["total_thermal_resistance_lower"].item() == 0
 
 
-@pytest.mark.parametrize(
-    ("section", "text"),
-    [
-        ({"seal": {"allowed_leak": "1 ml/h"}}, "seal.allowed_leak: needs the perimeter"),
-        ({"joint": {"allowed_resistance": "1 mOhm"}}, "joint.allowed_resistance: needs the area"),
-        ({"joint": {"allowed_temperature_drop": "2 K", "area": "1 cm2"}}, "needs the heat_flow"),
-        ({"joint": {"gas_conductivity": 0.026}}, "needs temperature_jump, or leave both out"),
-        ({"seal": {"mean_free_path": "68 nm"}}, "is of a gas; give its outlet_pressure"),
-        ({"seal": {"allowed_leak": "1 ml/hour", "perimeter": "1 m"}}, "unknown leak unit 'ml/hour'"),
-        (
-            {"seal": {"allowed_leak": "1 ml/h", "perimeter": "1 m"}, "requirement": {"leak": "5 ml/h"}},
-            r"seal\.allowed_leak: is the same limit as requirement\.leak; state one of them",
-        ),
-        (
-            {"allowed_pressure": "1 GPa", "requirement": {"pressure": "1 GPa"}},
-            r"statistics\.allowed_pressure: is the same limit as requirement\.pressure",
-        ),
-    ],
-)
-def test_what_an_allowed_value_needs_is_said(section, text):
-    if "seal" in section:
-        section["seal"] |= {"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"}
-    with pytest.raises(SettingsError, match=text):
-        resolve({"contact": {"bodies": ["steel", "copper"], "mean_pressure": "1 MPa"}, "statistics": section})
-
-
 @pytest.fixture(scope="module")
 def rubber():
     """Return a rubber seal on a rough steel seat under two loads."""
@@ -240,12 +214,6 @@ def test_a_specific_contact_resistance_is_stated_as_those_of_fuel_cells_are(text
     problem = {"contact": {"bodies": ["steel", "copper"], "mean_pressure": "1 MPa"}}
     (settings,) = resolve(problem | {"statistics": {"requirement": {"contact_resistance": text}}}).values()
     assert settings["statistics"]["requirement"]["contact_resistance"] == pytest.approx(value)
-
-
-def test_a_leak_in_units_of_a_leak_detector_is_told_how_to_become_a_volume():
-    """1 mbar l/s is 1 l/s at 1 mbar: which volume it is depends on the pressure behind the seal."""
-    with pytest.raises(SettingsError, match="mbar l/s over mbar there"):
-        resolve({"statistics": {"seal": {"allowed_leak": "1e-3 mbar l/s"}}})
 
 
 def test_a_profile_does_not_tell_whether_a_leak_holds():

@@ -127,15 +127,6 @@ def test_settings_of_the_bodies():
     assert columns["thermal_conductance"] == pytest.approx(2 * 50 * 400 / 450 * 1e3)
 
 
-def test_one_body_alone_does_not_conduct():
-    bodies = [STEEL, COPPER | {"electrical_resistivity": 1.7e-8}]
-    with pytest.raises(rc.SettingsError) as caught:
-        resolve({"contact": {"bodies": bodies}})
-    assert "contact.bodies[0].electrical_resistivity: missing, though the other body has it" in str(
-        caught.value
-    )
-
-
 def test_a_flat_map_constricts_nothing():
     contact = rc.solve_contact(height_map(np.zeros((8, 8)), 1e-6), contact_modulus=1e9, mean_pressure=1e6)
     statistics = rc.contact_statistics(contact, bodies=[{"electrical_resistivity": 1e-7}] * 2)

@@ -118,30 +118,6 @@ def test_a_relaxation_says_the_same_as_its_creep():
     assert [(body["youngs_modulus"], body["poissons_ratio"]) for body in bodies] == [(1e9, 0.5), (1e15, 0.0)]
 
 
-LAYER = {"thickness": "1 um", "youngs_modulus": "1 GPa", "poissons_ratio": 0.3}
-SERIES = {"long_time_modulus": "1 MPa", "moduli": ["2 MPa"], "times": [1.0]}
-
-
-@pytest.mark.parametrize(
-    ("bodies", "further", "words"),
-    [
-        ([CREEPING, "rigid"], {"time": "1 h"}, "time: is of a relaxation; a creep_modulus has its own times"),
-        ([POLYMER, "rigid"], {"time": "1 h"}, "time: needs the relaxation of a body"),
-        ([CREEPING | {"layers": [LAYER]}, "rigid"], {}, "bodies: layers creep otherwise than a body"),
-        ([CREEPING, CREEPING | {"creep_modulus": {"1 h": "2 GPa"}}], {}, "need the same times"),
-        (
-            [CREEPING | {"creep_modulus": {"1 week": "2 GPa"}}],
-            {},
-            r"modulus\.1 week = '1 week': unknown time unit",
-        ),
-        ([{"relaxation": "none.csv"}], {}, "relaxation = none.csv: not read as a table"),
-    ],
-)
-def test_what_says_no_time_or_no_modulus_is_refused(bodies, further, words):
-    with pytest.raises(rc.SettingsError, match=words):
-        resolve({"contact": {"bodies": bodies} | further})
-
-
 def test_a_creep_modulus_is_stated_on_the_command_line():
     texts = [["3GPa", "0.4", "creep_modulus=1 h: 2.1 GPa, 10 years: 1.4 GPa"], ["rigid"]]
     contact = resolve({"contact": {"bodies": parse_bodies(texts), "mean_pressure": 1e6}})[""]["contact"]

@@ -37,15 +37,7 @@ from roughcontact.surface.synthetic import westergaard_surface
 from roughcontact.surface.window.finite_body import finite_body
 from roughcontact.uncertainty.scales import AREA, CONDUCTANCE, GAP
 
-SEAL = {"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"}
 FREE = {"contact_modulus": 115e9, "boundary": "free", "force": "5 N"}
-
-_FILM = {"thickness": 2e-6, "youngs_modulus": 4e11, "poissons_ratio": 0.2}
-LAYERED = {
-    "bodies": [{"youngs_modulus": 2e11, "poissons_ratio": 0.3, "layers": [_FILM]}] * 2,
-    "boundary": "free",
-    "force": "5 N",
-}
 
 
 def ground(rms_height, shape=(160, 200)):
@@ -689,48 +681,6 @@ def test_resistance_of_the_whole_contact_lies_between_rayleigh_and_thomson(power
     )
     assert lower < exact < upper
     assert lower == pytest.approx(exact, rel=0.11)
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"form": LOCAL}, r"form.local_scale = True: takes form.radius and contact.force"),
-        (
-            {"form": {"local_scale": True}, "contact": {"force": 5}},
-            r"form.local_scale = True: takes .* state the radius",
-        ),
-        ({"form": LOCAL, "contact": FREE}, r"contact.boundary = 'free': the local scale .* leave"),
-        ({"form": LOCAL, "contact": {"force": 5, "area": 1e-4}}, r"contact.area = 0.0001: the local scale"),
-        (
-            {"form": LOCAL, "contact": {"bodies": LAYERED["bodies"], "force": 5}},
-            r"form.local_scale = True: is of bodies without layers",
-        ),
-        ({"contact": {"boundary": "free"}}, r"contact.force: missing"),
-        ({"contact": FREE | {"mean_pressure": "1 MPa"}}, r"contact: mean_pressure .* and force"),
-        ({"contact": {"boundary": "free", "mean_pressure": 1e6}}, r"contact.force: missing.* mean_pressure"),
-        ({"contact": FREE | {"area": "1 cm2"}}, r"contact.area = 0.0001: is for periodic maps"),
-        ({"contact": FREE | {"target_area": 0.1}}, r"contact.target_area = \[0.1\]: is for periodic maps"),
-        ({"contact": FREE | {"zero_frequency": "lattice"}}, r"zero_frequency = 'lattice': the approach"),
-        ({"contact": FREE | {"precision": "single"}}, r"contact.precision = 'single': finite bodies are"),
-        ({"contact": FREE, "window": {"method": "taper"}}, r"window.method = 'taper': is for periodic maps"),
-        ({"contact": FREE, "window": {"reliable_band": True}}, r"window.reliable_band = True: is for"),
-        ({"contact": FREE, "window": {"longest_wavelength": 1e-5}}, r"leave it out; level.s_filter"),
-        ({"contact": FREE, "instrument": {"correct": True}}, r"instrument.correct = True: is for periodic"),
-        ({"contact": FREE, "statistics": {"work_of_adhesion": 0.05}}, r"work_of_adhesion = 0.05: is for"),
-        ({"contact": FREE, "statistics": {"seal": SEAL}}, r"statistics.seal = .*: is for periodic maps"),
-        ({"contact": LAYERED | {"influence": "elements"}}, r"contact.influence = 'elements': layers"),
-        ({"contact": LAYERED, "statistics": {"stress": "always"}}, r"statistics.stress .* layers"),
-        ({"form": {"radius": "5 mm"}}, r"form.radius .* contact.boundary = free"),
-        ({"contact": FREE, "form": {"radius": [1, 2, 3]}}, r"form.radius"),
-    ],
-)
-def test_settings_that_do_not_fit(settings, message):
-    contact_settings = settings.get("contact", {})
-    contact = (
-        contact_settings if "bodies" in contact_settings else {"contact_modulus": 115e9} | contact_settings
-    )
-    with pytest.raises(rc.SettingsError, match=message):
-        resolve(settings | {"contact": contact})
 
 
 def test_window_depends_on_form_of_finite_bodies_alone():

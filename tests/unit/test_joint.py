@@ -6,7 +6,6 @@ from scipy.integrate import quad
 from scipy.special import ndtri
 
 import roughcontact as rc
-from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.statistics.conductance import gas_columns, resistances_and_joint
 from roughcontact.surface.synthetic import rough_reference_surface
 
@@ -92,19 +91,3 @@ def test_half_of_a_joint_is_refused(joint, message):
     contact = rc.solve_contact(rough_reference_surface(64), contact_modulus=1.0, mean_pressure=0.1)
     with pytest.raises(rc.SettingsError, match=message):
         rc.contact_statistics(contact, joint=joint)
-
-
-@pytest.mark.parametrize(
-    ("statistics", "message"),
-    [
-        ({"joint": AIR}, "joint.gas_conductivity: needs the thermal_conductivity of both bodies"),
-        ({"joint": AIR | {"film_thickness": "5 nm"}}, "joint.film_thickness: needs film_conductivity"),
-        (
-            {"flow": "never", "seal": {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 1e-3}},
-            "statistics.seal: leaks by the flow, and statistics.flow = 'never'",
-        ),
-    ],
-)
-def test_answers_without_what_they_need_are_refused_before_the_solve(statistics, message):
-    with pytest.raises(rc.SettingsError, match=message):
-        resolve({"contact": {"contact_modulus": 1e9}, "statistics": statistics})

@@ -89,30 +89,3 @@ def test_a_new_kind_is_a_module_and_a_line():
     """The last kind includes all maps, so that one is always found; none stands there twice."""
     assert KINDS[-1].includes(BALL, {})
     assert len({*KINDS}) == len(KINDS)
-
-
-SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}
-
-
-@pytest.mark.parametrize(
-    ("statistics", "words"),
-    [
-        (
-            {"joint": {"allowed_resistance": 1e-3}},
-            "joint.allowed_resistance = 0.001: is of a joint with an area",
-        ),
-        ({"joint": {"heat_flow": 1.0}}, "joint.heat_flow = 1.0: is of a joint with an area"),
-        (
-            {"seal": SEAL | {"allowed_leak": 1e-12}},
-            r"seal = \{'viscosity': 0.001, [^N]*\}: is for periodic maps",
-        ),
-        ({"requirement": {"gap": 1e-6}}, r"statistics.requirement = \{'gap': 1e-06\}: is for periodic maps"),
-    ],
-)
-def test_what_a_finite_body_excludes_is_not_sent_to_what_else_it_excludes(statistics, words):
-    """No area for an allowed resistance, whose area would be refused, no perimeter for a leak."""
-    body = {"youngs_modulus": 2e9, "poissons_ratio": 0.3, "thermal_conductivity": 20.0}
-    contact = {"bodies": [body | {"electrical_resistivity": 1e-7}] * 2, "boundary": "free", "force": 1.0}
-    with pytest.raises(rc.SettingsError, match=words) as caught:
-        resolve({"contact": contact, "form": {"radius": 1e-3}, "statistics": statistics})
-    assert len(caught.value.mistakes) == 1

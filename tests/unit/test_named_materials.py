@@ -197,38 +197,11 @@ def test_the_ranges_of_conductivities_are_of_the_mean_of_both_bodies():
     assert conductivity_ranges([{"electrical_resistivity": 1e-7}] * 2) == {}
 
 
-@pytest.mark.parametrize(
-    ("body", "message"),
-    [
-        (
-            {"hardness": ["1 GPa", "2 GPa"], "hardness_uncertainty": 0.1},
-            ": hardness is a range, and hardness_",
-        ),
-        ({"hardness_uncertainty": 0.1}, ".hardness_uncertainty: needs hardness, or leave it out"),
-        ({"hardness": 1e9, "hardness_uncertainty": [1, 2]}, ".hardness_uncertainty = [1, 2]: must be less"),
-    ],
-)
-def test_half_a_range_is_refused(body, message):
-    plain = {"youngs_modulus": 1e11, "poissons_ratio": 0.3}
-    with pytest.raises(SettingsError, match=rf"contact\.bodies\[1\]{re.escape(message)}"):
-        resolve({"contact": {"bodies": [plain, plain | body]}})
-
-
 def test_an_unknown_name_is_answered_with_the_nearest():
     with pytest.raises(SettingsError, match=r"contact\.bodies: 'stel' is no material .* did you mean steel"):
         resolve({"contact": {"bodies": ["stel", "NBR"]}})
     with pytest.raises(SettingsError, match="or give youngs_modulus and poissons_ratio"):
         material("unobtainium")
-
-
-@pytest.mark.parametrize(
-    ("symbol", "key"),
-    [("E", "youngs_modulus"), ("nu", "poissons_ratio"), ("H", "hardness"), ("ν", "poissons_ratio")],
-)
-def test_symbols_of_textbooks_are_answered_with_the_key(symbol, key):
-    body = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, symbol: 1e9}
-    with pytest.raises(SettingsError, match=rf"bodies\[0\]\.{symbol}: unknown key, did you mean {key}\?"):
-        resolve({"contact": {"bodies": [body, "steel"]}})
 
 
 def test_the_option_takes_a_name():

@@ -24,7 +24,6 @@ from roughcontact.surface.window.periodic_window import periodic_window
 from roughcontact.uncertainty.budget import error_budget
 
 ROOT = Path(__file__).parents[2]
-ELASTIC = {"contact_modulus": 1e9}
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
 
 
@@ -432,45 +431,6 @@ def test_force_and_area_are_another_way_to_state_the_mean_pressure():
     assert [case["area"] for case in contacts] == [None, None, pytest.approx(3e-4)]
 
 
-@pytest.mark.parametrize(
-    ("contact", "sentence"),
-    [
-        ({"force": "50 N"}, r"contact\.area: missing, though force is given"),
-        ({"area": "1 m2"}, r"contact\.force: missing, though area is given"),
-        (
-            {"force": "5 N", "area": "1 mm2", "mean_pressure": 1e6},
-            r"mean_pressure \(Pa\) and force \(N\) given",
-        ),
-        ({"mean_pressure": ["1 MPa", "2 MPa", 1e6]}, r"contact.mean_pressure: 1000000.0 occurs twice"),
-        (
-            {"mean_pressure": [*range(90_000)]},
-            r"\[0, 1, [0-9, ]+1[0-9,]+ \.\.\.: a list of 90000, more than the 1000",
-        ),
-        ({"target_gap": ["1 um", "1000 nm"]}, "contact.target_gap: 1e-06 occurs twice"),
-        ({"target": ["percolation"] * 2}, "contact.target: percolation occurs twice"),
-        ({"force": "50 kg", "area": "3 cm2"}, r"force\[0\] = '50 kg': unknown force unit 'kg'"),
-        ({"force": "50 N", "area": "3 cm"}, r"area = '3 cm': unknown area unit 'cm'; did you mean 'cm2'"),
-    ],
-)
-def test_loads_that_cannot_be_meant_are_a_question(contact, sentence):
-    with pytest.raises(SettingsError, match=sentence):
-        resolve({"contact": {"contact_modulus": "1 GPa"} | contact})
-
-
-@pytest.mark.parametrize(
-    ("contact", "message"),
-    [
-        ({"unload": True}, "contact.unload: needs a hardness"),
-        ({"unload": "3 GPa", "hardness": "2 GPa"}, "contact.unload = 3e+09 Pa is not below the hardness"),
-        ({"unload": True, "hardness": "2 GPa", "keep_fields": False}, "contact.unload: needs the maps"),
-        ({"unload": "later", "hardness": "2 GPa"}, r"contact.unload\[0\] = 'later'"),
-    ],
-)
-def test_a_load_that_cannot_be_taken_off_is_refused(contact, message):
-    with pytest.raises(SettingsError, match=message.replace("+", r"\+")):
-        resolve({"contact": {"contact_modulus": "100 GPa", "mean_pressure": "10 MPa"} | contact})
-
-
 def test_unload_names_loads_or_the_largest():
     contact = {"contact_modulus": "100 GPa", "mean_pressure": "10 MPa", "hardness": "2 GPa"}
     read = [
@@ -478,10 +438,3 @@ def test_unload_names_loads_or_the_largest():
         for value in (True, False, "5 MPa", ["5 MPa", 1e7])
     ]
     assert read == [[], None, [5e6], [5e6, 1e7]]
-
-
-def test_a_decimal_comma_of_a_number_without_unit_is_no_unit():
-    with pytest.raises(
-        SettingsError, match=r"relative_pressure\[1\] = '0,2': write a decimal point, not a comma"
-    ):
-        resolve({"contact": {"contact_modulus": 1e9, "relative_pressure": ["0.1", "0,2"]}})

@@ -2,9 +2,11 @@
 
 import math
 import re
+from pathlib import Path
 from typing import get_args, get_origin
 
 import pytest
+import yaml
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
 
 from roughcontact.arguments import checking
@@ -481,3 +483,17 @@ def test_what_excludes_each_other_is_said_in_one_sentence(contact, line):
     assert said({"cases": {"one": case}}) == (line.replace("contact:", "cases.one.contact:", 1), ())
     # what is wrong above the cases is named there, once
     assert said({"contact": contact, "cases": {"one": {}, "two": {}}}) == (line, ())
+
+
+WRONG_SETTINGS = Path(__file__).with_name("wrong_settings.tsv").read_text(encoding="utf-8")
+WRONG = [line.split("\t") for line in WRONG_SETTINGS.splitlines()[1:]]
+
+
+@pytest.mark.parametrize(("settings", "words"), WRONG, ids=[words for _, words in WRONG])
+def test_settings_that_do_not_fit_have_one_sentence(settings, words):
+    assert re.search(words, said(yaml.safe_load(f"{{{settings}}}"))[0])
+
+
+def test_a_list_of_too_many_loads_is_not_shown_whole():
+    line, _ = said({"contact": {"contact_modulus": "1 GPa", "mean_pressure": [*range(90_000)]}})
+    assert re.search(r"\[0, 1, [0-9, ]+1[0-9,]+ \.\.\.: a list of 90000, more than the 1000", line)

@@ -129,13 +129,6 @@ def test_a_hardness_that_sliding_rubber_would_not_have_is_refused(rubber, contac
         assert resolve(sections)[""]["contact"]["hardness"] > 1e9
 
 
-def test_sliding_by_elements_is_refused():
-    series = {"long_time_modulus": 3e6, "moduli": [27e6], "times": [1e-4]}
-    contact = {"bodies": [{"relaxation": series}, "steel"], "mean_pressure": 1e5, "influence": "elements"}
-    with pytest.raises(rc.SettingsError, match=r"sliding.speed: .* contact.influence: sampled"):
-        resolve({"contact": contact, "sliding": {"speed": 0.1}})
-
-
 def test_the_friction_by_the_area_has_the_range_of_the_shear_strength():
     """Independent of the interval of the area, whose distance on the logarithm it adds to by squares."""
     window, full = face(points=48), settings()
