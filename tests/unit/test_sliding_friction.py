@@ -118,6 +118,15 @@ def test_along_ridges_nothing_is_lost():
     assert (slide(face, 1e-3, direction=[0, 180])[FRICTION] > 0).all()
 
 
+@pytest.mark.parametrize("shape", [(7, 5), (1, 33), (60, 48)])
+def test_a_flat_face_is_in_full_contact_and_loses_nothing(shape):
+    """Of any number of points: rounding of its transforms is no error relative to a wave that it has not."""
+    sliding = slide(rc.height_map(np.full(shape, 3e-6), 1e-6), [1.0, 2.0])
+    assert (sliding[AREA] == 1).all()
+    for name in (FRICTION, "hysteretic_friction_bound", "error_bound", GAP):
+        assert (sliding[name] == 0).all()
+
+
 def test_frequencies_beyond_the_table_are_told():
     face, q = wave()
     frequency = np.geomspace(1, 1e4, 20)

@@ -314,7 +314,8 @@ def sliding_contact(
     reflection = np.divide(size - symbol, size + symbol, out=np.zeros_like(symbol), where=size > 0)
     pressure = np.full(heights.shape, load) if start is None else start
     level = heights + applied(size - symbol, pressure)
-    bound, contacts, aim = math.inf, 0, FIRST
+    # a flat face bears the load evenly, and has no wave for the error to be relative to
+    bound, contacts, aim = math.inf if np.ptp(heights) > 0 else 0.0, 0, FIRST
     while bound > tolerance and contacts < MAX_CONTACTS:
         face = window.copy(data=level)
         contact = contact_from(face, typical, start, load=load, tolerance=aim, threads=threads)
