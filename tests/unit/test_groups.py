@@ -20,6 +20,7 @@ from roughcontact.uncertainty.random_effects import (
     grubbs_outliers,
     holm,
     maps_needed,
+    p_value,
     random_effects,
     student,
     welch,
@@ -424,6 +425,12 @@ def test_p_values_are_adjusted_for_all_pairs():
     assert [comparison["p_value"].item() for comparison in comparisons.values()] == pytest.approx(
         [p_value.item() for p_value in holm([np.array([p]) for p in p_single])]
     )
+
+
+@pytest.mark.parametrize(("difference", "error", "expected"), [(0, 0, 1), (1, 0, 0), (1, np.nan, np.nan)])
+def test_maps_that_do_not_scatter_differ_certainly_or_not_at_all(difference, error, expected):
+    p = p_value(*np.array([[difference], [error], [4.0]]))
+    np.testing.assert_array_equal(p, [expected])
 
 
 def test_padding_of_a_run_whose_other_cases_have_a_budget_changes_no_interval():

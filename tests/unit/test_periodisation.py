@@ -193,6 +193,15 @@ def test_cut_outs_are_recognised(shape):
             assert not periodisation.is_periodic(large[: shape[0], : shape[1]])
 
 
+@pytest.mark.parametrize("column", [2, 50, 97])
+def test_a_ridge_inside_is_no_seam(column):
+    """Its two steps and three changes of slope lie between the first column and the last."""
+    ridge = 0.5 * (np.arange(100) == column)
+    height = np.tile(np.cos(2 * np.pi * np.arange(100) / 100) + ridge, (12, 1))
+    assert periodisation.is_periodic(height)
+    assert not periodisation.is_periodic(height[:, :-20])
+
+
 def test_periodicity_of_simple_maps():
     y, x = np.indices((40, 60))
     wave = np.cos(2 * np.pi * x / 20) + np.cos(2 * np.pi * y / 40)

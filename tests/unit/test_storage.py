@@ -253,6 +253,9 @@ def test_a_file_says_what_it_is_and_what_computed_it():
         f"Periodic window by {attrs['source']}",
     ]
     assert {"numpy", "scipy", "h5py", "SurfaceTopography", "python"} <= set(json.loads(attrs["versions"]))
+    # that loads come in the order of their pressures concerns files of loads alone
+    assert "comment" not in attrs
+    assert "pressure" in provenance({}, stage="statistics")["comment"]
 
 
 def test_the_commit_is_that_of_the_checkout_and_of_no_folder_around_it(tmp_path):
