@@ -27,12 +27,9 @@ def copy_inputs(results: Path, configuration: Path, read_checksums: set[str]) ->
     All must be as the run has read them: settings and rows as the results record them, files by one of the
     checksums (SHA-256) of `read_checksums`.
     """
-    import yaml  # comes with Snakemake
-
     if not configuration.is_file():
         raise SettingsError(f"{configuration}: no such file; name the settings of the run")
-    check_yaml(configuration)
-    config = yaml.safe_load(configuration.read_text(encoding="utf-8"))
+    config = check_yaml(configuration)
     # paths are looked up beside the results, then beside the file that names them, where these stand, not
     # where links lead to: a run does so as well
     search_path = [Path(os.path.abspath(path)).parent for path in (results, configuration)]  # noqa: PTH100

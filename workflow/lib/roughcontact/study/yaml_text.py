@@ -18,8 +18,8 @@ _PREFIX = "tag:yaml.org,2002:"
 _NO_VALUES = (f"{_PREFIX}merge", f"{_PREFIX}value")  # the tags of << and =
 
 
-def check_yaml(file: Path) -> None:
-    """Raise a SettingsError for a configuration that is unreadable, ambiguous or larger than any study.
+def check_yaml(file: Path) -> dict[str, Any]:
+    """Return a configuration; raise a SettingsError for one unreadable, ambiguous or larger than any study.
 
     Ambiguous are duplicate keys, of which YAML takes only the last, and numbers that are not decimal.
     """
@@ -42,6 +42,7 @@ def check_yaml(file: Path) -> None:
     if not isinstance(config, Mapping):
         raise SettingsError(f"{file}: has no keys at its top level, such as `contact:`")
     check_size(config, str(file))
+    return dict(config)
 
 
 def check_size(config: Mapping[str, Any], origin: str = "the configuration") -> None:

@@ -1,7 +1,6 @@
 """The measured files of a study: dropped or named, what `inspect` says of them, and their maps."""
 
 import base64
-import hashlib
 import os
 import re
 from collections.abc import AsyncIterable, Iterable, Mapping, Sequence
@@ -69,10 +68,10 @@ def unread(rows: Iterable[tuple[Row, Mapping[str, Any]]]) -> int:
 
 
 def _key(row: Row) -> str:
-    """Return a text that changes with the file of a row, and with what the row says of it."""
+    """Return a text of this process that changes with the file of a row, and with what the row says of it."""
     file = find_file(row.get("path", ""), ["."])
     written = file.stat().st_mtime_ns if file else 0
-    return hashlib.sha256(repr((written, row.get("path"), _entries(row))).encode()).hexdigest()
+    return f"{hash(repr((written, row.get('path'), _entries(row)))):x}"
 
 
 def inspect(row: Row) -> dict[str, Any]:

@@ -70,12 +70,8 @@ class Page:
         names = [name for name in form if not name.startswith(("rows.", "page."))]
         changes = {study.name_of_field(name): form[name] for name in names}
         # what stood in the place of a group or a list goes
-        texts = {
-            name: text
-            for name, text in texts.items()
-            if not any(key.startswith(f"{name}.") for key in changes)
-        }
-        texts |= changes
+        former = [name for name in texts if any(key.startswith(f"{name}.") for key in changes)]
+        texts = {name: text for name, text in texts.items() if name not in former} | changes
         # after what was typed before, which may come with it
         if job in study.JOBS and job != self.job:
             texts = study.texts_for(job, texts, self.aside)
@@ -145,5 +141,5 @@ class Page:
     def filled(self, name: str, **variables: object) -> str:
         """Return one of the templates, with what all of them may need and variables of its own."""
         modules = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
-        values = modules | vars(self) | self.checked | {"folder": Path.cwd()}
+        values = modules | vars(self) | self.checked | {"folder": Path.cwd(), "home": ""}
         return template(f"{name}.html", folder=study.FOLDER).render(values | variables)

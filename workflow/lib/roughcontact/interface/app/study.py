@@ -67,10 +67,8 @@ def read_folder() -> tuple[dict[str, str], list[Row], str]:
     """Return the texts of the settings in the working directory by dotted names, rows, and question."""
     texts, values, job = dict[str, str](), dict[str, Any](), ""
     if CONFIG.is_file():
-        check_yaml(CONFIG)
-        content = CONFIG.read_text(encoding="utf-8")
+        values, content = check_yaml(CONFIG), CONFIG.read_text(encoding="utf-8")
         job = match[1] if (match := _JOB.match(content)) else "area"
-        values = yaml.safe_load(content)
         texts = flattened(yaml.load(content, yaml.BaseLoader) | {"cases": ""})
         texts = {name_of_field(name): text for name, text in texts.items()}
         texts["cases"] = yaml.safe_dump(values["cases"], **_STYLE) if values.get("cases") else ""
@@ -166,8 +164,7 @@ def check() -> dict[str, Any]:
     report: dict[str, Any] = {"mistakes": {}, "bodies": [], "plan": None, "files": contents([CONFIG])}
     try:
         if CONFIG.is_file():
-            check_yaml(CONFIG)
-            config = yaml.safe_load(CONFIG.read_text(encoding="utf-8"))
+            config = check_yaml(CONFIG)
         report["files"] |= contents([_table(config)])
         report["plan"] = Plan(*read_study(config, ["."], measured_in=["."], origin=str(CONFIG)))
     except SettingsError as error:
