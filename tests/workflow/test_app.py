@@ -1740,6 +1740,17 @@ class TestForm:
         assert inspection["columns"] == ["height_unit"]
         assert measurements.inspect({"path": "measured/one.x3p"})["columns"] == []
 
+    def test_no_part_of_a_profile_is_cropped_or_masked(self, tmp_path):
+        """Where the table would refuse it."""
+        (tmp_path / "measured/line.csv").write_bytes(profile_bytes(np.arange(64.0)[None] * 1e-8, 1e-6))
+        page = Page()
+        for path, tools in (("one.x3p", 4), ("line.csv", 2)):
+            page.after({"rows.0.surface": "one", "rows.0.path": f"measured/{path}", "page.look": "0"})
+            page.reader.pool.submit(int).result()
+            answer = page.html()
+            assert answer.count('name="tool"') == tools
+            assert ("rows.0.crop" in form_fields(answer)) == (tools == 4)
+
     def test_the_channel_that_is_read_is_named(self, tmp_path, monkeypatch):
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tone.nid\n")
         channels = [{"name": name, "is_height": True} for name in ("Topography forward", "Topography")]
