@@ -24,8 +24,7 @@ function merged(old, now) {
 async function put(response) {
   const text = await response.text();
   if (!response.ok) element("problem").textContent = text;
-  if (!response.ok || !text) return;
-  merged(document.querySelector("main"), new DOMParser().parseFromString(text, "text/html").querySelector("main"));
+  else if (text) merged(document.querySelector("main"), new DOMParser().parseFromString(text, "text/html").querySelector("main"));
 }
 
 // One after the other: what is done last is answered last.
