@@ -137,8 +137,7 @@ def place_in_words(overview: xr.DataArray) -> str:
 
 def frame_of_place(overview: xr.DataArray, fine: xr.DataArray) -> tuple[float, float, float, float] | None:
     """Return where a map lies in an overview: x and y of a corner from its first, and sides (m)."""
-    place = recorded_place(overview)
-    if place is None:
+    if not (place := recorded_place(overview)):
         return None
     side_y, side_x = _sides(place, fine)
     dy, dx = spacing(overview)

@@ -83,10 +83,9 @@ def _subtract_shift(height: np.ndarray, repeat: np.ndarray) -> tuple[np.ndarray,
     coordinates = [np.arange(n, dtype=float) for n in residual.shape]
     residual -= fit_polynomial(residual, coordinates, order=1)[0]
     is_measured, rms_raw = np.isfinite(residual), _rms(residual)
-    slopes = [slope[is_measured] for slope in slopes]
-    products = np.array([[slope @ column for column in (*slopes, residual[is_measured])] for slope in slopes])
-    shift = np.linalg.lstsq(products[:, :-1], products[:, -1], rcond=None)[0]
-    residual[is_measured] -= sum(offset * slope for offset, slope in zip(shift, slopes, strict=True))
+    columns = np.column_stack([slope[is_measured] for slope in slopes])
+    shift = np.linalg.lstsq(columns.T @ columns, columns.T @ residual[is_measured], rcond=None)[0]
+    residual[is_measured] -= columns @ shift
     return residual, shift, rms_raw
 
 

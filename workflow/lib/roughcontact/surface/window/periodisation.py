@@ -96,10 +96,7 @@ def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.nda
 
 def mirror(values: np.ndarray) -> np.ndarray:
     """Return the map and its mirror images side by side, (2 ny, 2 nx); an axis of one point stays."""
-    for axis, points in enumerate(values.shape):
-        if points > 1:
-            values = np.concatenate([values, np.flip(values, axis)], axis=axis)
-    return values
+    return np.pad(values, [(0, points if points > 1 else 0) for points in values.shape], mode="symmetric")
 
 
 def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool = False) -> np.ndarray:
