@@ -345,11 +345,9 @@ def _judged(comparisons: Mapping[Any, xr.Dataset], relevant: float = RELEVANT) -
             of_pair.loc[name] = p_values
     judged = {}
     for key, data in comparisons.items():
-        columns = {column: data[column].values for column in _COLUMNS}
-        outcomes = np.empty(data["ratio"].shape, object)
-        for index in np.ndindex(outcomes.shape):
-            numbers = {column: float(values[index]) for column, values in columns.items()}
-            outcomes[index] = _outcome(numbers, data.attrs, relevant)
+        rows = data[[*_COLUMNS]].to_dataframe(dim_order=["quantity", "load"]).to_dict("records")
+        outcomes = np.array([_outcome(row, data.attrs, relevant) for row in rows], object)
+        outcomes = outcomes.reshape(data["ratio"].shape)
         judged[key] = data.assign(outcome=(("quantity", "load"), outcomes))[[*COMPARED]].drop_attrs()
     return judged
 
