@@ -757,3 +757,21 @@ def test_what_scatters_more_than_all_maps_share_asks_for_more_maps():
 def test_a_group_of_something_else_than_statistics_is_refused(wrong):
     with pytest.raises(rc.SettingsError, match="give the statistics of one or more maps"):
         rc.group_statistics(wrong)
+
+
+def test_numbers_without_an_end_are_not_compared_and_warn_of_nothing(recwarn):
+    """In full contact a conductance is infinite, and infinity less infinity is no number."""
+    flat = [
+        rc.evaluate(
+            rc.height_map(np.full((20, 20), height), 1e-6, unit="m"), contact_modulus=1e11, mean_pressure=1e6
+        )
+        for height in (0, 1)
+    ]
+    group = rc.group_statistics(flat, placements=True)
+    for paired in (False, True):
+        second = group if paired else group.assign_coords(map=["a", "b"], content=("map", ["", ""]))
+        comparison = rc.compare_groups(group, second, paired=paired)
+        outcome = comparison["outcome"].sel(quantity=CONDUCTANCE).item()
+        assert outcome == "inconclusive: no interval"
+        assert np.isnan(comparison["p_value"].sel(quantity=CONDUCTANCE).item())
+    assert not [warning for warning in recwarn if issubclass(warning.category, RuntimeWarning)]

@@ -197,7 +197,7 @@ def _of_map(name: str, data: xr.Dataset, loads: np.ndarray | None, of_place: boo
         return SIGNS[:2] * (np.array(bounds) - value)
 
     fine_map = data.get(f"{name}_alone", data[name])  # NaN of a map beside others with an overview
-    value = to_scale(GAP, (fine_map.fillna(data[name]) if of_place else data[name]).values)
+    value = _logarithm((fine_map.fillna(data[name]) if of_place else data[name]).values)
     widths = scaled_components(name, data, scale=GAP)
     if f"{name}_components" not in data:
         widths[:, 0, :2] = reach(ENDS[1:]).T
@@ -391,10 +391,15 @@ def _names(one: xr.Dataset, another: xr.Dataset) -> list[str]:
 
 def _of_group(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the numbers of the maps of a group (map, load), and the components that these share."""
-    load, of_maps = group["mean_pressure"].values, to_scale(GAP, group[f"{name}_of_maps"].values)
+    load, of_maps = group["mean_pressure"].values, _logarithm(group[f"{name}_of_maps"].values)
     is_shared = np.isin(SOURCES, (*SHARED, "solver"))[:, None]
     shared = np.where(is_shared, scaled_components(name, group, ending="shared", scale=GAP), 0.0)
     return interpolated(load, loads, of_maps.T).T, interpolated(load, loads, shared)
+
+
+def _logarithm(values: np.ndarray) -> np.ndarray:
+    """Return the logarithm of numbers, NaN of zero and of infinity, as of a conductance in full contact."""
+    return to_scale(GAP, np.where(np.isinf(values), np.nan, values))
 
 
 def _source_correlations(one_group: xr.Dataset, another: xr.Dataset) -> np.ndarray:
