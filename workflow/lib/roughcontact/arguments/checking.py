@@ -93,8 +93,8 @@ def check_solution(contact: object, *, of_loads: bool = True) -> None:
 
     problem = f"this is of type {type(contact).__name__}"
     if isinstance(contact, xr.Dataset):
-        missing = (name for name in ("height", "pressure", "gap") if name not in contact)
-        problem = " ".join(f"the dataset has no {name}" for name in [*missing][:1])
+        names = ("height", "pressure", "gap")
+        problem = next((f"the dataset has no {name}" for name in names if name not in contact), "")
         if of_loads and not problem and "load" not in contact["pressure"].dims:
             raise SettingsError("the dataset has no dimension load: select by a list, contact.isel(load=[0])")
         if not problem and contact["pressure"].dims[-2:] != ("y", "x"):

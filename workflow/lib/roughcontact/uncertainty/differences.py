@@ -352,7 +352,7 @@ def _judged(comparisons: Mapping[Any, xr.Dataset], relevant: float = RELEVANT) -
     return judged
 
 
-def _outcome(numbers: Mapping[str, float], row: Mapping[str, Any], relevant: float) -> str:
+def _outcome(numbers: Mapping[Any, float], row: Mapping[str, Any], relevant: float) -> str:
     """Return whether two results differ in a quantity under a load, in words, from numbers of `_table`."""
     _, low, high = (numbers[key] for key in _RATIOS)
     if not np.isfinite([low, high, numbers["p_value"]]).all():
@@ -364,7 +364,7 @@ def _outcome(numbers: Mapping[str, float], row: Mapping[str, Any], relevant: flo
     return f"inconclusive: {_what_decides(numbers, row, relevant)}"
 
 
-def _what_decides(numbers: Mapping[str, float], row: Mapping[str, Any], relevant: float) -> str:
+def _what_decides(numbers: Mapping[Any, float], row: Mapping[str, Any], relevant: float) -> str:
     """Return what would show a difference that matters: more maps, or a smaller error that all maps share."""
     cause = SOURCES[int(numbers["largest_source"])]
     if "of_place" in row:
