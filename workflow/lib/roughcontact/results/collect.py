@@ -73,27 +73,28 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     """
     surfaces = list(dict.fromkeys(entry["surface"] for entry in entries))
     cases = list(dict.fromkeys(entry["case"] for entry in entries))
-    datasets: dict[tuple[int, int], Mapping[Hashable, xr.Variable]] = {}
+    datasets: dict[tuple[int, int], xr.Dataset] = {}
     checksums = {}
     attributes: dict[str, dict[str, dict[str, Any]]] = {case or "": {} for case in cases}
     for entry in entries:
         statistics = read_dataset(entry["statistics"])
         check_origin(statistics.attrs, entry["statistics"], entry.get("origin", ""))
-        datasets[cases.index(entry["case"]), surfaces.index(entry["surface"])] = statistics.variables
+        datasets[cases.index(entry["case"]), surfaces.index(entry["surface"])] = statistics
         checksums[entry["surface"]] = statistics.attrs.get("source_sha256", "")
         attributes[entry["case"] or ""][entry["surface"]] = statistics.attrs
-    sizes: dict[Hashable, int] = {}
-    dims: dict[Hashable, tuple[Hashable, ...]] = {}
-    for arrays in datasets.values():
-        for name, array in arrays.items():
-            for dim, size in array.sizes.items():
-                sizes[dim] = max(size, sizes.get(dim, 0))
-            dims[name] = array.dims
     # times of creep may differ from case to case: each has its own place
     times = sorted(
-        {time for arrays in datasets.values() if "time" in arrays for time in arrays["time"].values}
+        {time for dataset in datasets.values() if "time" in dataset for time in dataset["time"].values}
     )
-    sizes |= dict.fromkeys(["time"] * bool(times), len(times))
+    datasets = {
+        position: dataset.reindex(time=times) if "time" in dataset else dataset
+        for position, dataset in datasets.items()
+    }
+    sizes: dict[Hashable, int] = {}
+    dims: dict[Hashable, tuple[Hashable, ...]] = {}
+    for dataset in datasets.values():
+        sizes |= {dim: max(size, sizes.get(dim, 0)) for dim, size in dataset.sizes.items()}
+        dims |= {name: array.dims for name, array in dataset.variables.items()}
     columns = {}
     for name, names_of_dim in dims.items():
         # the coordinate of a dimension cannot vary by surface
@@ -101,21 +102,17 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
             continue
         # padding of shorter lists of loads, and of surfaces without this number
         values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in names_of_dim)), np.nan)
-        for position, arrays in datasets.items():
-            if name in arrays:
-                # from the beginning, but each time of creep at its own
-                places = (
-                    np.searchsorted(times, arrays["time"].values) if dim == "time" else slice(size)
-                    for dim, size in arrays[name].sizes.items()
-                )
-                values[(*position, ...)][tuple(places)] = arrays[name].values
+        for position, dataset in datasets.items():
+            if name in dataset.variables:
+                array = dataset.variables[name]
+                values[(*position, ...)][tuple(map(slice, array.shape))] = array.values
         # depths differ from surface to surface: a coordinate, no dimension
         columns["profile_depth" if name == "depth" else name] = (("case", "surface", *names_of_dim), values)
-    coordinates = _labels("surface", surfaces) | dict.fromkeys(["time"] * bool(times), times)
+    coordinates = _labels("surface", surfaces) | ({"time": times} if times else {})
     result = xr.Dataset(columns, coords=coordinates)
     result = result.set_coords([name for name in _COORDINATES if name in columns])
     for name, label_kind in _COMMON_LABELS.items():
-        labels = [arrays[name].values for arrays in datasets.values() if name in arrays]
+        labels = [dataset[name].values for dataset in datasets.values() if name in dataset.variables]
         # cases may state other tangential loads
         if labels and all(np.array_equal(labels[0], labels_of_file) for labels_of_file in labels):
             result = result.assign_coords({name: labels[0].astype(label_kind)})
