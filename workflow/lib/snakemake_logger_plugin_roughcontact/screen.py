@@ -54,16 +54,17 @@ class Screen:
 
     def show(self, record: logging.LogRecord, text: str) -> None:
         """Show what one record changes; `text` is what Snakemake would show."""
-        event = str(getattr(record, "event", None) or "")
+        fields: dict[str, Any] = vars(record)
+        event = str(fields.get("event") or "")
         if self.planned and event == "job_info":
-            self._plan(vars(record))
-        elif expected := getattr(record, "expected_minutes", None):  # the Snakefile reports it
+            self._plan(fields)
+        elif expected := fields.get("expected_minutes"):  # the Snakefile reports it
             self.clock.expected = dict(expected)
         elif event == "error" and "CalledProcessError" in text:
             self.endings[record.thread] = text  # the record of its job comes next, from the same thread
         elif event == "job_error":
-            self._job_failed(record)
-        elif self.failed and record.levelno == logging.ERROR and _is_closing_word(record):
+            self._job_failed(fields)
+        elif self.failed and record.levelno == logging.ERROR and _is_closing_word(fields):
             pass
         elif record.levelno >= logging.WARNING:
             self._line(text)
@@ -72,9 +73,9 @@ class Screen:
         elif self.planned and text.startswith("This was a dry-run"):
             self._end_plan()
         elif event == "run_info":
-            self._announce(record)
+            self._announce(fields.get("stats", {}))
         elif event:
-            self._follow(event, record)
+            self._follow(event, fields, record.created)
         elif text.startswith("Nothing to be done") or not (self.begun or text.startswith(_PREAMBLE)):
             self._line(text.rstrip())
 
@@ -83,12 +84,11 @@ class Screen:
         if self.bar:
             self._write(ERASE)
 
-    def _announce(self, record: logging.LogRecord) -> None:
-        """Show how many jobs there are, once."""
+    def _announce(self, stats: Mapping[str, int]) -> None:
+        """Show how many jobs of each rule there are, once."""
         if self.announced:
             return
         self.announced = True
-        stats: dict[str, int] = getattr(record, "stats", {})
         self.clock.plan({rule: jobs for rule, jobs in stats.items() if rule != "total"})
         self.results = sum(stats.get(rule, 0) for rule in _LAST)
         results = f"{self.results} result{'s' * (self.results != 1)}, " if self.results else ""
@@ -110,16 +110,15 @@ class Screen:
                 self._line(f"{result}: {', '.join(steps)}")
         self._line("This is a plan: nothing was done.")
 
-    def _follow(self, event: str, record: logging.LogRecord) -> None:
+    def _follow(self, event: str, fields: dict[str, Any], now: float) -> None:
         """Show the progress of the run after an event of one of its jobs."""
-        fields: dict[str, Any] = vars(record)
         if event == "job_info":
-            self._begin(fields, record.created)
+            self._begin(fields, now)
         elif event == "job_finished":
-            self.clock.finish(fields["job_id"], record.created)
-            self._finished(self.jobs.pop(fields["job_id"], {}), record.created)
+            self.clock.finish(fields["job_id"], now)
+            self._finished(self.jobs.pop(fields["job_id"], {}), now)
         elif event == "progress" and fields["done"] == fields["total"]:
-            taken = duration(record.created - self.clock.begin)
+            taken = duration(now - self.clock.begin)
             page = f": {self.page}" if self.page else ""
             if self.done and not page and _PAGE.exists():
                 page = f"; {_PAGE} is of an earlier run: `roughcontact run` makes it anew"
@@ -127,7 +126,7 @@ class Screen:
                 self._line(answer)
             self._line(f"done in {taken}{page}")
         if self.bar and self.clock.total:
-            self._write(ERASE + self._bar(record.created))
+            self._write(ERASE + self._bar(now))
 
     def _begin(self, fields: dict[str, Any], now: float) -> None:
         """Note a job that begins; of one that had failed show what it requests now."""
@@ -165,13 +164,12 @@ class Screen:
             f"{result}: done{warned} ({self.done} of {self.results}{left}){f'. {answer}' if answer else ''}"
         )
 
-    def _job_failed(self, record: logging.LogRecord) -> None:
+    def _job_failed(self, failed: dict[str, Any]) -> None:
         """Show why a job has failed: what its record says, else how it was ended, which is added to it.
 
         The temporary files of a killed job are removed.
         """
         self.failed = True
-        failed: dict[str, Any] = vars(record)
         number = failed["jobid"]
         if number in self.failed_jobs:  # Snakemake 9.22 lists the failed jobs once more at its end
             return
@@ -188,7 +186,7 @@ class Screen:
             return
         of_cluster = [log for log in failed["log"] or [] if log not in logs]
         why = why_killed("\n".join(map(_text, of_cluster)), fields) or why_ended(
-            self.endings.pop(record.thread, ""), fields
+            self.endings.pop(failed["thread"], ""), fields
         )
         if why is None:
             return
@@ -258,9 +256,9 @@ def why_ended(how: str, fields: Mapping[str, Any]) -> str | None:
     return f"ended without a word ({by}); run again, and where it comes back please report it with {logs}"
 
 
-def _is_closing_word(record: logging.LogRecord) -> bool:
+def _is_closing_word(fields: Mapping[str, Any]) -> bool:
     """Return whether Snakemake reports no more than that jobs have failed, each of which was shown."""
-    return getattr(record, "event", None) is None or getattr(record, "exception", "") == "WorkflowError"
+    return fields.get("event") is None or fields.get("exception") == "WorkflowError"
 
 
 def _name(fields: Mapping[str, Any]) -> str:
