@@ -57,7 +57,8 @@ def _count_archive_points(path: Path) -> int:
             for entry in archive.infolist():
                 if entry.filename.rpartition("/")[2] == "main.xml":
                     with archive.open(entry) as stream:
-                        return prod(map(int, _SIZES.findall(stream.read(_HEADER))))
+                        if sizes := _SIZES.findall(stream.read(_HEADER)):
+                            return prod(map(int, sizes))
             return sum(entry.file_size for entry in archive.infolist()) // _BYTES_PER_POINT
     except ARCHIVE_ERRORS:
         return 0
