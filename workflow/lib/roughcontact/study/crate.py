@@ -77,7 +77,7 @@ def write_crate(
         root["license"] = _add(crate, terms, "CreativeWork", name="Licence", description=text)
     root["datePublished"] = end_time
     root["conformsTo"] = _add(crate, _PROFILE, "CreativeWork", name="Process Run Crate", version="0.5")
-    results, measurements, programs, settings = [], {}, {}, ""
+    results, measurements, programs = [], {}, {}
     for path in files:
         name = path.relative_to(folder).as_posix()
         about = _about(path) | {"name": name}
@@ -91,8 +91,6 @@ def write_crate(
                     measurements.setdefault(checksum, {})
                 program = {name: dataset.attrs.get(name, "") for name in ("versions", "commit")}
                 programs[tuple(program.values())] = program
-                if path == folder / "statistics.nc":
-                    settings = dataset.attrs["settings"]
         results.append(crate.add_file(dest_path=name, properties=about))
     if configuration is not None:
         copy_inputs(folder, Path(configuration), read_checksums=set(measurements))
@@ -112,6 +110,7 @@ def write_crate(
     )
     instruments = [_add_program(crate, **program) for program in programs.values()]
     run["instrument"] = instruments if len(instruments) > 1 else instruments[0]
+    settings = read_attributes(folder / "statistics.nc")["settings"]
     run["object"] = [
         *(_add_measured(crate, source) for source in measurements.values() if source),
         *inputs,
