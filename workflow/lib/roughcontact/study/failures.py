@@ -9,7 +9,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -88,7 +88,7 @@ def failure_reason(plan: Plan, result: str) -> str:
     """
     from roughcontact.results.storage import check_origin, read_dataset
 
-    jobs = [*_recorded_jobs(plan, result)]
+    jobs = [(log, record) for log in plan.log_files(result) if (record := read_record(log))]  # begun ones
     for log, record in jobs:
         if record.get("error"):
             return str(record["error"])
@@ -113,13 +113,6 @@ def failure_reason(plan: Plan, result: str) -> str:
         return "not finished"
     of_this_run = dates == sorted(dates) and all(checksums.get(path) == checksum(path) for path in sources)
     return "" if of_this_run else "not finished"
-
-
-def _recorded_jobs(plan: Plan, result: str) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield log and record of each job that contributes to a result and has begun."""
-    for log in plan.log_files(result):
-        if record := read_record(log):
-            yield log, record
 
 
 def start_partial_report(config: Mapping[str, Any], folders: Sequence[str | Path], root: Path) -> None:

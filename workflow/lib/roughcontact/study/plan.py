@@ -301,7 +301,8 @@ class Plan:
             row = self.row(surface)
             extra_bytes = {"repeats": 130, "place": 230}  # bytes a point
             bytes_each = max([90, *(extra_bytes[key] for key in extra_bytes if key in row.read_arguments)])
-            return BASE_MEMORY + max(reading_memory(row.path), bytes_each * millions)
+            expansion = 10 if row.path.suffix == ".npy" else 50  # other files may be compressed
+            return BASE_MEMORY + max(expansion * megabytes(row.path), bytes_each * millions)
         if rule == "panel":  # a map or two at a time
             return BASE_MEMORY + 115 * millions
         # the error budget takes 200 bytes for each of the first million points, and no more for larger maps
@@ -394,8 +395,3 @@ def regex_of_names(names: Iterable[str]) -> str:
 def megabytes(path: str | Path) -> float:
     """Return the size of a file in MB, 0 where there is none."""
     return Path(path).stat().st_size / 1e6 if Path(path).exists() else 0.0
-
-
-def reading_memory(path: str | Path) -> float:
-    """Return the memory (MB) for the content of a measured file, which may be compressed, but not as .npy."""
-    return (10 if str(path).endswith(".npy") else 50) * megabytes(path)

@@ -116,19 +116,15 @@ def _check_start(options: argparse.Namespace) -> None:
 
     if find_spec("snakemake") is None:
         raise SettingsError("Snakemake is not installed: pip install 'roughcontact[workflow]'")
-    for file in options.configfile:
+    for file in options.configfile or [options.directory / _CONFIGURATION]:
         if not file.is_file():
             raise SettingsError(
                 f"--configfile {file}: no such file; `roughcontact init` writes one to change"
+                if options.configfile
+                else f"there is no study in {options.directory.absolute()} (no {_CONFIGURATION}): "
+                "`roughcontact init FILE ...` begins one with your measured files"
             )
         check_yaml(file)
-    if not options.configfile:
-        if not (configuration := options.directory / _CONFIGURATION).is_file():
-            raise SettingsError(
-                f"there is no study in {options.directory.absolute()} (no {_CONFIGURATION}): `roughcontact "
-                "init FILE ...` begins one with your measured files"
-            )
-        check_yaml(configuration)
     check_places(options.directory)
     check_writable(options.directory)
 
