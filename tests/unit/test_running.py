@@ -305,6 +305,14 @@ def test_a_run_holds_its_file_and_so_does_what_it_starts(folder):
         assert not lock.killed
 
 
+def test_a_killed_run_is_known_on_a_computer_whose_name_has_an_umlaut(folder, monkeypatch):
+    monkeypatch.setattr(socket, "gethostname", lambda: "b\u00fcro")
+    with run_lock(folder) as lock:
+        lock.ended = False
+    with run_lock(folder) as lock:
+        assert lock.killed
+
+
 def test_a_signal_is_heard_while_the_scheduler_holds_its_lock():
     """As it does while it looks after a job that has ended: the lock of Snakemake is not for two."""
     code = """

@@ -82,7 +82,7 @@ def run_lock(folder: Path, *, unlocks: bool = False) -> Iterator[RunLock]:
 def _last_run(path: Path) -> tuple[str, str]:
     """Return computer and run (process and time) that a file names; empty where there is none."""
     try:
-        fields = path.read_text(encoding="ascii").replace("\0", "").split()
+        fields = path.read_text(encoding="utf-8").replace("\0", "").split()
     except (OSError, UnicodeDecodeError):  # unreadable, or what a failing disk has left of it
         return "", ""
     host, run = (*fields, "", "")[:2]
