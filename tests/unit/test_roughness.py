@@ -200,3 +200,16 @@ def test_steepest_points_of_random_slopes_and_of_a_single_spike():
     assert parameters.steepest_share(spike) == pytest.approx(1.0)
     assert parameters.steepest_share(spike, share=1e-9) == pytest.approx(1.25 / 2.5)
     assert parameters.steepest_share(0 * spike) == 0
+
+
+@pytest.mark.parametrize("kind", ["u1", "i1", "u2", "i2"])
+def test_whole_numbers_of_a_narrow_type_are_as_rough_as_doubles(kind):
+    """Differences of small integers wrap around."""
+    limits = np.iinfo(kind)
+    heights = np.random.default_rng(0).integers(limits.min, limits.max, (9, 8), endpoint=True)
+    narrow, double = (
+        height_map(np.zeros(heights.shape), 1e3, unit="m").copy(data=heights.astype(dtype))
+        for dtype in (kind, float)
+    )
+    for name in ("rms_height", "rms_gradient", "rms_curvature", "interior_rms_gradient", "steepest_share"):
+        assert getattr(parameters, name)(narrow) == getattr(parameters, name)(double)

@@ -39,8 +39,7 @@ def rms_height(height: xr.DataArray) -> float:
     >>> rms_height(height_map([[1.0, 3.0], [3.0, 1.0]], 1.0))
     1.0
     """
-    # less the first height: exactly zero for a flat map
-    return float(np.std(height.values - height.values.flat[0]))
+    return float(np.std(_from_the_first(height)))
 
 
 @as_si
@@ -98,8 +97,7 @@ def interior_rms_gradient(height: xr.DataArray) -> float:
     """
     from scipy.fft import dct
 
-    values = height.values - height.values.flat[0]  # exactly zero for a flat map
-    total = 0.0
+    values, total = _from_the_first(height), 0.0
     for axis, (points, pitch) in enumerate(zip(values.shape, spacing(height), strict=True)):
         series = dct(values, norm="ortho", axis=axis)
         q = np.pi / (points * pitch) * np.arange(points)
@@ -277,6 +275,11 @@ def roughness_parameters(height: xr.DataArray, power: np.ndarray | None = None) 
         "nayak_parameter": m0 / m2 * (m4 / m2) if m2 > 0 else math.nan,
         "points_per_shortest_wavelength": _cutoff_wavelength(height, power, (1.0, 1.0)),
     }
+
+
+def _from_the_first(height: xr.DataArray) -> np.ndarray:
+    """Return heights less the first, exactly zero for a flat map, in double: small integers would wrap."""
+    return np.subtract(height.values, height.values.flat[0], dtype=float)
 
 
 def _moments(height: xr.DataArray, power: np.ndarray) -> tuple[float, float, float]:
