@@ -192,6 +192,27 @@ def test_intervals_of_metals_hold_the_solutions_at_the_ends_of_their_hardness(me
     assert widths["source"][widths.argmax("source")] == "hardness"
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("key", ["youngs_modulus", "thermal_conductivity", "electrical_resistivity"])
+@pytest.mark.parametrize("metal", ["steel", "copper", "gold"])
+def test_intervals_of_metals_hold_the_solutions_at_the_ends_of_a_property_of_a_body(metal, key):
+    """No places of the map are among the sources, whose scatter would hide what a property does."""
+    steep = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=32e-6, rms_gradient=0.5)
+    stated = resolve({"contact": {"bodies": [metal, metal]}})[""]["contact"]["bodies"][0]
+    names = ("youngs_modulus", "poissons_ratio", "hardness", "thermal_conductivity", "electrical_resistivity")
+    body = {name: stated[name] for name in names}
+    loads = [0.02 * stated["hardness"], 0.2 * stated["hardness"]]
+    sources = {"sources": ["solver", "discretisation", "material", "hardness"]}
+    result = evaluate(steep, contact={"bodies": [metal, metal], "mean_pressure": loads}, uncertainty=sources)
+    for end in ends(stated[key], stated[f"{key}_uncertainty"]):
+        contact = {"bodies": [body | {key: end}, body], "mean_pressure": loads}
+        at_end = evaluate(steep, contact=contact, uncertainty={"sources": ["solver", "discretisation"]})
+        for name in (*QUANTITIES, "thermal_conductance", "electrical_conductance"):
+            rounding = 2e-3 * at_end[name]
+            assert (at_end[name] >= result[f"{name}_lower"] - rounding).all(), (name, end)
+            assert (at_end[name] <= result[f"{name}_upper"] + rounding).all(), (name, end)
+
+
 def test_an_end_that_cannot_be_solved_bounds_nothing(surface):
     contact = problem("elastic", [0.1]) | {"on_failure": "flag"}
     solved = solve_contact(surface, **contact, reduce=budget_inputs)
