@@ -243,13 +243,13 @@ def numbers_of(holds, crossing, lower, upper):
     ("numbers", "text"),
     [
         ((1, 1.8e6, 1.2e6, 3.4e6), "holds, from 1.80 MPa on (1.20 MPa to 3.40 MPa)"),
-        ((0, 1.8e6, 1.2e6, np.nan), "does not hold, would hold from 1.80 MPa on (1.20 MPa or more)"),
-        ((np.nan, 1.8e6, 0.0, 3.4e6), "not decided, would be from 1.80 MPa on (3.40 MPa or less)"),
+        ((0, 1.8e6, 1.2e6, np.nan), "does not hold, would hold from 1.80 MPa on (at least 1.20 MPa)"),
+        ((np.nan, 1.8e6, 0.0, 3.4e6), "not decided, would be from 1.80 MPa on (at most 3.40 MPa)"),
         (
             (np.nan, 1e6, 0.0, 3.4e6),
             "not decided, would be from 1.00 MPa or less on (decided from 3.40 MPa on)",
         ),
-        ((0, np.nan, 5e6, np.nan), "does not hold, would hold beyond the loads solved (5.00 MPa or more)"),
+        ((0, np.nan, 5e6, np.nan), "does not hold, would hold beyond the loads solved (at least 5.00 MPa)"),
     ],
 )
 def test_the_answer_in_words(numbers, text):

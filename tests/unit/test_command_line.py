@@ -169,7 +169,7 @@ def test_solve_prints_a_table(capsys):
     bodies = ["--body", "2e9", "0", "--body", "2e9", "0"]
     code, out, err = said(capsys, "solve", PERIODIC, *bodies, *NO_BUDGET)
     assert (code, err) == (0, "")
-    assert "Contact modulus E* 1.00 GPa" in out
+    assert "Contact modulus E*  1.00 GPa" in out
     assert "answer            At " in out
     table = out.partition("\n\n")[2]
     rows = [line for line in table.split("\n") if "Pa" in line and line.count("%") == 1 and "µm" in line]
@@ -211,7 +211,7 @@ def test_several_files_are_solved_together(capsys, tmp_path):
 
 
 def test_a_long_label_stands_apart_from_its_text():
-    assert labelled_line("serial number of scanner", "101-20-000") == "  serial number of scanner 101-20-000"
+    assert labelled_line("serial number of scanner", "101-20-000") == "  serial number of scanner  101-20-000"
     assert labelled_line("format", "sdf") == "  format            sdf"
 
 
@@ -270,7 +270,7 @@ def test_solve_says_how_far_the_numbers_may_be_off(capsys, small):
     assert f" {text} %" in out
     assert f" {interval} " in out
     # as on the page, not the shortest diagonal wave of the grid
-    assert f"  waves             longer than {quantity(2 * spacing(window)[0], 'm')}" in out
+    assert f"  wavelengths       above {quantity(2 * spacing(window)[0], 'm')}" in out
     _, out, _ = said(capsys, *options, "--uncertainty-sources")  # none of them
     assert "±" not in out
     code, _, err = said(capsys, *options, "--uncertainty-sources", "luck")

@@ -75,7 +75,7 @@ def test_all_that_is_known_of_a_surface():
         "Channel": "height",
         "Instrument": "lens 50x, numerical aperture 0.400",
         "Assumed in the ±": (
-            "a perfect lens or tip and no noise but what a flat spectrum shows, until the settings state them"
+            "a perfect lens or tip and no noise beyond that of a flat spectrum, as none is stated"
         ),
         "Map": "40.0 µm × 60.0 µm, 40 × 30 points of 1.00 µm × 2.00 µm",  # x before y
         "Missing points": "1.25 %",
@@ -86,7 +86,7 @@ def test_all_that_is_known_of_a_surface():
         "Ssk, Sku, Sdq": "−0.500, 3.20, 0.200",
         "Sk, Spk, Svk": "0.900 µm, 0.200 µm, 0.600 µm",
         "Window": "40.0 µm × 60.0 µm, 40 × 30 points",
-        "Made periodic by": "cross-fade",
+        "Made periodic by": "blending opposite edges",
         "Sal, Str, lay": "12.0 µm, 0.250, 60° from x towards y",
         "rms height": "0.400 µm",
         "rms gradient g": "0.125",
@@ -117,12 +117,12 @@ def test_how_a_counter_face_lies_on_the_face():
 @pytest.mark.parametrize(
     ("name", "value", "unit", "number_text"),
     [
-        # what over the 60 µm of the map makes less than a millionth of its rms height, 0.156 µm, is nothing
-        ("slope_x", 3e-9, "1", "3.00×10⁻⁹"),
-        ("slope_x", 2e-9, "1", "0"),
-        ("curvature_xx", 5e-5, "m-1", "5.00×10⁻⁵ m⁻¹"),
-        ("curvature_xx", 4e-5, "m-1", "0 m⁻¹"),
-        ("mean", 1e-14, "m", "0 m"),
+        # what over the 60 µm of the map makes less than 1e-4 of its rms height, 0.156 µm, is nothing
+        ("slope_x", 3e-7, "1", "3.00×10⁻⁷"),
+        ("slope_x", 2e-7, "1", "0"),
+        ("curvature_xx", 5e-3, "m-1", "0.00500 m⁻¹"),
+        ("curvature_xx", 4e-3, "m-1", "0 m⁻¹"),
+        ("mean", 1e-12, "m", "0 m"),
         ("radius", 2.5e-3, "m", "2.50 mm"),
         ("axis_angle", -30.0, "degree", "−30.00°"),
     ],

@@ -297,7 +297,7 @@ class TestFiveSteps:
             click(browser, "#show")
             report_open(browser)
             assert "3 results:" in browser.text("body")
-            assert browser.text("#results").count("To halve the ± of the contact area: ") == 3
+            assert browser.text("#results").count("To halve the ± of the contact area") == 3
             for width in (400, 1200):
                 browser.resize(width)
                 browser.evaluate("document.documentElement.scrollTo(0, 5000)")
@@ -308,7 +308,7 @@ class TestFiveSteps:
             click(browser, "#steps summary")
             browser.wait("document.querySelector('#results').checkVisibility()")
             picture(browser, "app-look")
-            assert browser.text("#results").count("To halve the ± of the contact area: ") == 3
+            assert browser.text("#results").count("To halve the ± of the contact area") == 3
             report_page = browser.session
             for form, (holds, _) in EXPORTS.items():
                 assert holds in browser.text("#exports"), form
@@ -330,7 +330,7 @@ class TestFiveSteps:
             click(browser, "#steps a[href$='#look']")
             browser.wait("location.hash === '#look' && document.body.ariaBusy === 'false'")
             browser.wait("document.querySelector('#results').children.length === 3")
-            assert browser.text("#results").count("To halve the ± of the contact area: ") == 3
+            assert browser.text("#results").count("To halve the ± of the contact area") == 3
             # results of other settings say so, until the settings are theirs again
             assert browser.text("#results").count("Of other settings") == 0
             fill(browser, "contact.mean_pressure", "6 MPa")

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from roughcontact.arguments.answers import ALLOWED_VALUES, AREA, ENDS, TOTALS
-from roughcontact.arguments.quantities import quantity, range_in_words
+from roughcontact.arguments.quantities import quantity
 from roughcontact.arguments.variables import Numbers
 from roughcontact.report.units import quantity_text, unit_of
 from roughcontact.statistics.decisions import is_lifted, lifting_pressure
@@ -121,8 +121,21 @@ def _roughness_in_words(numbers: Numbers, name: str, index: int) -> str:
         return ""
     largest, *bounds = (float(np.asarray(numbers[key])[index]) for key in names)
     lower, upper = (quantity(bound, "m") if np.isfinite(bound) else "" for bound in bounds)
-    interval = f" ({range_in_words(lower, upper)})" if lower else ""
+    interval = f" ({_bounds_in_words(lower, upper)})" if lower else ""
     return f"; holds for Sq up to {quantity(largest, 'm')}{interval} of this texture with its S- and L-filter"
+
+
+def _bounds_in_words(low: str, high: str) -> str:
+    """Return where a number lies that has another beside it, by the texts of one end or two.
+
+    Examples
+    --------
+    >>> _bounds_in_words("1.20 MPa", ""), _bounds_in_words("", "3.40 MPa")
+    ('at least 1.20 MPa', 'at most 3.40 MPa')
+    """
+    if low and high:
+        return f"{low} to {high}"
+    return f"at least {low}" if low else f"at most {high}"
 
 
 def _load_in_words(numbers: Numbers, name: str) -> str:
@@ -131,7 +144,7 @@ def _load_in_words(numbers: Numbers, name: str) -> str:
     (crossing, lower, upper), loads = crossings, np.asarray(numbers["mean_pressure"], float)
     at, low, high = (load_in_words(load, numbers)[1] if load > 0 else "" for load in crossings)
     has_interval = (low or high) and len({*crossings}) > 1  # that of a fluid has none
-    interval = range_in_words(low, high) if has_interval else ""
+    interval = _bounds_in_words(low, high) if has_interval else ""
     if np.isnan(crossing):
         sentence = f"{'below' if ALLOWED_VALUES[name].trend > 0 else 'beyond'} the loads solved"
     elif ALLOWED_VALUES[name].trend > 0:

@@ -106,7 +106,7 @@ def differences_in_words(differences: Sequence[Row]) -> str:
         if len(differences) > 1:
             outcomes = [outcome.partition(":")[0] for outcome in outcomes]
         words = [
-            f"{outcome} ({cell.text} times as large, {cell.details})" if cell.details else outcome
+            _with_ratio(outcome, cell) if cell.details else outcome
             for outcome, cell in zip(outcomes, of_area["cells"], strict=True)
         ]
         at_loads = [
@@ -115,6 +115,12 @@ def differences_in_words(differences: Sequence[Row]) -> str:
         text = "; ".join(at_loads if len({*words}) > 1 else words[:1])
         sentences.append(f"{row['second']} against {row['first']}: {text}")
     return f"Contact area, {'; '.join(sentences)}." if sentences else ""
+
+
+def _with_ratio(outcome: str, cell: Cell) -> str:
+    """Return an outcome with its ratio, before what would decide it."""
+    word, colon, rest = outcome.partition(":")
+    return f"{word} ({cell.text} times as large, {cell.details}){colon}{rest}"
 
 
 def _ratios(reference: str, label: str, result: xr.Dataset, at_loads: Sequence[Sequence[Load]]) -> Row:

@@ -26,6 +26,10 @@ from roughcontact.surface.roughness.profile_parameters import profile_parameters
 from roughcontact.surface.roughness.texture import LAY
 from roughcontact.surface.window.band import shortest_reliable_wave
 
+_NEGLIGIBLE = 1e-4  # of the rms height: less than an atom on most maps
+# ways to make a window periodic, as a reader of the page knows them
+_PERIODIC_BY = dict.fromkeys(("smooth-cross-fade", "cross-fade"), "blending opposite edges")
+_PERIODIC_BY |= dict.fromkeys(("raw", "none"), "")  # the caption of the window says so
 _FLOW_NOT_SOLVED = "not solved, as no seal is stated"
 # names of the parameters of profiles and maps without their first letter, by the way they are written
 _PARAMETERS = (("a", "q", "z"), ("sk", "ku", "dq"), ("k", "pk", "vk"), ("sm",))
@@ -39,6 +43,7 @@ def surface_facts(
     pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured_map)[::-1]))
     instrument = (f"{label} {text}" for label, text in labelled(json_attribute(of_map, "instrument")))
     sources, length = json_attribute(of_map, "ingest_sources"), unit_of(numbers, "m").text
+    method = str(of_window.get("periodisation", "none"))
     return {
         "File": " · ".join(filter(None, (of_map.get(key, "") for key in ("source_file", "source_format")))),
         "First row": sentence("first_row", of_map),
@@ -56,7 +61,7 @@ def surface_facts(
         "Corrected for": str(of_window.get("corrected_for", "")),
         **_parameters(levelled_map, length),
         "Window": _size(window),
-        "Made periodic by": str(of_window.get("periodisation", "none")),
+        "Made periodic by": _PERIODIC_BY.get(method, method),
         "Sal, Str, lay": _texture(numbers),
         "Points per shortest wave": number(float(numbers["points_per_shortest_wavelength"][0]), digits=2),
         **number_facts(numbers),
@@ -68,9 +73,9 @@ def _assumed(numbers: xr.Dataset) -> str:
     """Return what the ± assumes of an instrument of which nobody has stated lens, tip or noise."""
     stated = Instrument.read(numbers.attrs).properties().keys()
     perfect = [] if stated & {"numerical_aperture", "resolution", "tip_radius"} else ["a perfect lens or tip"]
-    silent = [] if "noise" in stated else ["no noise but what a flat spectrum shows"]
+    silent = [] if "noise" in stated else ["no noise beyond that of a flat spectrum"]
     missing = " and ".join(perfect + silent)
-    return f"{missing}, until the settings state them" if missing else ""
+    return f"{missing}, as none is stated" if missing else ""
 
 
 def number_facts(numbers: xr.Dataset) -> dict[str, str]:
@@ -174,10 +179,10 @@ def waves_in_words(window: xr.DataArray) -> str:
     >>> from roughcontact.arguments.maps import height_map
     >>> band = {"band_shortest": 2e-6, "reliable_wavelength": 3.3e-6}
     >>> waves_in_words(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(band))
-    'waves longer than 3.30 µm'
+    'wavelengths above 3.30 µm'
     """
     shortest = shortest_reliable_wave(window)
-    waves = f"waves longer than {quantity(shortest, 'm')}" if shortest else ""
+    waves = f"wavelengths above {quantity(shortest, 'm')}" if shortest else ""
     text = ", ".join(filter(None, [ensemble_in_words(window), waves]))
     causes = window.attrs.get("corrected_for")
     return f"{text or 'the map'}, corrected for {causes}" if causes else text
@@ -244,7 +249,7 @@ def _removed_part(name: str, entry: Mapping[str, Any], levelled_map: xr.DataArra
         return f"{entry['value']:.2f}°".replace("-", "−")
     power = {"m": 0, "1": 1, "m-1": 2}[entry["units"]]
     over_the_map = abs(entry["value"]) * max(side_lengths(levelled_map)) ** power
-    empty = over_the_map < 1e-6 * float(np.nanstd(levelled_map.values))
+    empty = over_the_map < _NEGLIGIBLE * float(np.nanstd(levelled_map.values))
     value = 0.0 if empty else entry["value"]
     return quantity(value, entry["units"].replace("m-1", "m⁻¹"))
 

@@ -273,7 +273,12 @@ def answer_sentences(
             totals = [part for part in details[1:] if part.endswith(_OF_JOINT) and not allowed]
             known = [*(part.split(", ")[0] if subject else part for part in details[:1]), *known, *totals]
         precision = ", ".join(filter(None, known))
-        words.append(f"{subject} {cell.text}".lstrip() + (f" ({precision})" if precision else ""))
+        text = f"{subject} {cell.text}".lstrip()
+        if precision and cell.text == CLOSED_IN_WORDS:  # in the parentheses that it has
+            text = f"{text.removesuffix(')')}, {precision})"
+        elif precision:
+            text = f"{text} ({precision})"
+        words.append(text)
     line = Sentence("; ".join([f"At {cells[LOAD].text}: {', '.join(words)}", *repeated]), after=".")
     capital = [Sentence(f"{text[0].upper()}{text[1:]}", word, f"{rest}.") for text, word, rest in allowed]
     slip = slip_in_words(numbers, index)
@@ -370,7 +375,7 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     remark = ", ".join(remarks) if is_known(value, lower, upper) else ""
     if name == GAP and min(value, upper) < decisions.CLOSED:  # a NaN end is no smaller
         open_elsewhere = f"up to {unit.text(upper)}" if upper >= decisions.CLOSED else ""
-        return Cell(CLOSED_IN_WORDS, open_elsewhere, precision="" if open_elsewhere else "to 1 nm")
+        return Cell(CLOSED_IN_WORDS, open_elsewhere, precision="" if open_elsewhere else _DECIDED)
     return Cell(shown, interval.strip("()"), precision=precision, remark=remark)
 
 

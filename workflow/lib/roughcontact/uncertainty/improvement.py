@@ -13,7 +13,7 @@ from roughcontact.arguments.answers import ALLOWED_VALUES, ANSWERS, ENDS
 from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.arguments.quantities import counted_noun, percent, quantity
 from roughcontact.arguments.variables import names_asked
-from roughcontact.statistics.kinds import reason_without_flow
+from roughcontact.statistics.kinds import load_in_words, reason_without_flow
 from roughcontact.statistics.precision import precision_in_words, relative_half_width
 from roughcontact.uncertainty.calibration import ALONE, scatter_between_maps, table
 from roughcontact.uncertainty.combination import SOURCES
@@ -78,11 +78,14 @@ def planning_line(statistics: xr.Dataset) -> str:
 def add_halving(statistics: xr.Dataset, *, overview: bool = False) -> xr.Dataset:
     """Return the statistics with the attributes `halve` and `places`, by the arguments of `halving_line`.
 
-    `halved` says whose interval that is.
+    `halved` says whose interval that is, of several loads with the one that these are of.
     """
     lines = {"halve": halving_line(statistics, overview=overview), "places": planning_line(statistics)}
     if any(lines.values()):
         lines["halved"] = _asked_number(statistics)[1]
+        if statistics.sizes.get("load", 1) > 1:
+            load = float(statistics["mean_pressure"][_typical_load(statistics)])
+            lines["halved"] += f" at {load_in_words(load, statistics.variables)[1]}"
     return statistics.assign_attrs({name: line for name, line in lines.items() if line})
 
 

@@ -45,7 +45,7 @@ def solution(result: Mapping[str, Any], statistics: xr.Dataset) -> str:
     shortest, corrected = window.get("shortest_wavelength"), window.get("corrected_for")
     measurand = interval_measurand(numbers, settings["uncertainty"])
     remarks = [
-        ("waves", f"longer than {quantity(shortest, 'm')}" if shortest else ""),
+        ("wavelengths", f"above {quantity(shortest, 'm')}" if shortest else ""),
         ("corrected", f"for {corrected}" if corrected else ""),
         ("±", f"for {measurand}" if measurand else ""),
         *beyond_in_words(numbers).items(),

@@ -90,7 +90,7 @@ def labelled_line(label: str, text: str) -> str:
     return textwrap.fill(
         text,
         _WIDTH,
-        initial_indent=f"  {label:<17} ",
+        initial_indent=f"  {label:<16}  ",
         subsequent_indent=" " * 20,
         break_long_words=False,
         break_on_hyphens=False,
