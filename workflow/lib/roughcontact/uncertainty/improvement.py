@@ -85,7 +85,7 @@ def add_halving(statistics: xr.Dataset, *, overview: bool = False) -> xr.Dataset
         lines["halved"] = _asked_number(statistics)[1]
         if statistics.sizes.get("load", 1) > 1:
             load = float(statistics["mean_pressure"][_typical_load(statistics)])
-            lines["halved"] += f" at {load_in_words(load, statistics.variables)[1]}"
+            lines["halved"] += f" at {load_in_words(load, statistics)[1]}"
     return statistics.assign_attrs({name: line for name, line in lines.items() if line})
 
 
