@@ -695,8 +695,7 @@ def _bins(edges: dict[str, np.ndarray]) -> dict[Hashable, tuple]:
     """
     coordinates: dict[Hashable, tuple] = {}
     for name, bounds in edges.items():
-        centres = (bounds[1:] + bounds[:-1]) / 2
-        coordinates[f"{name}_bin_centre"] = (f"{name}_bin", centres, {"bounds": f"{name}_bin_bounds"})
-        bin_bounds = np.column_stack([bounds[:-1], bounds[1:]])
-        coordinates[f"{name}_bin_bounds"] = ((f"{name}_bin", "bounds"), bin_bounds)
+        bins = np.column_stack([bounds[:-1], bounds[1:]])
+        coordinates[f"{name}_bin_centre"] = f"{name}_bin", bins.mean(axis=1), {"bounds": f"{name}_bin_bounds"}
+        coordinates[f"{name}_bin_bounds"] = (f"{name}_bin", "bounds"), bins
     return coordinates
