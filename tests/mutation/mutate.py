@@ -26,7 +26,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PACKAGE = Path("workflow/lib/roughcontact")
 SESSIONS = ROOT / "build" / "mutation"
-COPIED = ("workflow", "tests", "config", "data_samples", "docs")
+COPIED = ("workflow", "tests", "benchmarks", "validation", "config", "data_samples", "docs")
 
 # What stands for each operator. Every other replacement is left out: most of them are nonsense that any test
 # kills (height << pitch), so that they would only polish the share.

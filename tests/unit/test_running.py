@@ -497,11 +497,15 @@ def test_a_configuration_that_grows_or_hides_a_value_is_refused_at_once(folder, 
 @pytest.mark.parametrize(
     "text", ["'0100000'", "100000", "1e5", "0", "007", "0.5", "00.5", "0x10", "2011-07-23", "08"]
 )
-def test_decimal_numbers_and_quoted_text_are_admitted(folder, text):
-    (folder / "settings.yaml").write_text(
-        f"contact: &c {{mean_pressure: {text}}}\ncases: {{a: {{<<: *c}}}}\n"
-    )
-    check_yaml(folder / "settings.yaml")
+def test_decimal_numbers_and_quoted_text_are_admitted_and_octal_ones_are_not(folder, text):
+    settings = folder / "settings.yaml"
+    content = f"contact: &c {{mean_pressure: {text}}}\ncases: {{a: {{<<: *c}}}}\n"
+    settings.write_text(content)
+    check_yaml(settings)
+    assert settings.read_text() == content  # looked at, and left as it is
+    settings.write_text(content.replace(text, "0100000"))
+    with pytest.raises(SettingsError, match="line 1: YAML reads 0100000 to the base of 8, here as 32768"):
+        check_yaml(settings)
 
 
 def test_a_configuration_of_aliases_is_looked_at_once(folder, capsys):

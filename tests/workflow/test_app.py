@@ -1268,6 +1268,8 @@ class TestPages:
             monkeypatch.setattr(server.webbrowser, "open", browser.open)
             server.open_in_browser(address)
             browser.wait(f"location.href === '{address}' && document.querySelector('#preview')")
+            assert server._OPENING.stat().st_mode & 0o777 == 0o600  # the address holds the token
+            assert browser.problems == []
 
     def test_a_page_says_that_the_program_has_ended(self, tmp_path, browser):
         with served(tmp_path / "study") as address:
@@ -1556,6 +1558,11 @@ class TestNothingLost:
                 reloaded_after_typing(
                     browser, tmp_path / "study", f"{0.1 + number / 100:.2f}", generator.uniform(0.0, 0.5)
                 )
+            assert (
+                browser.evaluate("document.querySelector('[name=\"page.job\"]:checked').value") == "friction"
+            )
+            assert browser.text("#problem") == ""
+            assert browser.problems == []
 
     @pytest.mark.slow
     def test_twenty_kills(self, tmp_path):
