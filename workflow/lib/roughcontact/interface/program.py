@@ -41,11 +41,14 @@ _DESCRIPTION = (
 
 # command -> what a person types, at the end of its help, and what it does
 _COMMANDS = {name: words for name, *words in rows_beside(__file__, "commands.tsv")}
+_ARGUMENTS = rows_beside(__file__, "arguments.tsv")
+_Run = Callable[[argparse.Namespace], int]
+_Extension = Callable[[argparse.ArgumentParser], None]
+_TYPES: dict[str, Callable[[str], Any]] = {"path": Path, "integer": int, "number": float}
 
 # options of `init` for other settings, and for columns of the table
 _INITIAL = ("contact.mean_pressure", "contact.force", "contact.area", "form.radius", "level.form")
 _COLUMNS = ("lay", "parts", "counter_face", "overview")
-_BEFORE = "map of the same place before wear, heat, polish, with which the other maps are compared"
 _GROUP = (
     "name of a finish or a workpiece, and its maps, whose numbers then stand together; again for the next, "
     "with which it is compared. Without files: of all maps"
@@ -129,124 +132,31 @@ def _failed(error: RoughContactError | str, code: int) -> int:
 
 
 def _parser(*, verb: str) -> argparse.ArgumentParser:
-    """Return the parser; some options of `verb` come from the settings, whose import takes a moment."""
-    from roughcontact.interface.command_line import saving
+    """Return the parser; only `verb` has options that come from the settings, whose import takes a moment."""
+    from roughcontact.interface.command_line.saving import CONTENT_BY_ENDING, EXPORTED_BY_ENDING, EXPORTS
 
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"roughcontact {roughcontact.__version__}")
     verbs = parser.add_subparsers(required=True, metavar=" | ".join(_COMMANDS))
-
-    def add_verb(
-        name: str, run: Callable[[argparse.Namespace], int], **words: Any
-    ) -> argparse.ArgumentParser:
-        """Return the parser of one verb, which `run` carries out."""
-        example, text = _COMMANDS[name]
-        holds, _ = saving.EXPORTS.get(name, ("", ""))
-        subparser = verbs.add_parser(name, help=text.format(holds), epilog=f"Example: {example}", **words)
+    words = {
+        "result": _RESULT,
+        "content": _endings(CONTENT_BY_ENDING),
+        "exported": _endings(EXPORTED_BY_ENDING),
+        "json": "print for machines: SI units, names as in the files",
+    }
+    for name, (example, text) in _COMMANDS.items():
+        run, add_further = _VERBS[name]
+        holds, _ = EXPORTS.get(name, ("", ""))
+        subparser = verbs.add_parser(name, help=text.format(holds), epilog=f"Example: {example}")
         subparser.set_defaults(run=run)
-        return subparser
-
-    inspect = add_verb("inspect", _inspect)
-    inspect.add_argument(
-        "files", nargs="+", metavar="FILE", help="measured height maps, any format, or folders of them"
-    )
-    _add_file_options(inspect)
-
-    solve = add_verb("solve", _solve)
-    solve.add_argument(
-        "files",
-        nargs="+",
-        metavar="FILE",
-        help="a measured height map, any format; of several maps of a finish the numbers of all together",
-    )
-    _add_file_options(solve)
-    if verb == "solve":
-        solve.add_argument(
-            "-o",
-            "--output",
-            type=Path,
-            metavar="RESULT",
-            help=f"also write the results of one map to this file: {_endings(saving.CONTENT_BY_ENDING)}",
-        )
-        _add_overview(solve)
-        from roughcontact.interface.command_line.options import add_settings
-
-        add_settings(solve)
-
-    init = add_verb("init", _init)
-    init.add_argument("files", nargs="*", metavar="FILE", help="measured height maps, or folders of them")
-    if verb == "init":
-        _add_initial_settings(init)
-
-    add_verb("run", _run, usage="roughcontact run [OPTION ...]", description=_RUN)
-
-    app = add_verb("app", _app)
-    app.add_argument(
-        "folder",
-        nargs="?",
-        type=Path,
-        default=Path(),
-        metavar="FOLDER",
-        help="the study, by default the working directory; an empty one is begun",
-    )
-    app.add_argument(
-        "--port", type=int, default=0, help="port of the page on 127.0.0.1, by default a free one"
-    )
-    app.add_argument(
-        "--no-browser", action="store_true", help="print the address of the page, and open no browser"
-    )
-
-    methods = add_verb("methods", _methods)
-    methods.add_argument(
-        "files",
-        nargs="*",
-        default=["results"],
-        metavar="RESULT",
-        help=f"{_RESULT}, or a folder of several; by default results",
-    )
-
-    table = add_verb("table", _table)
-    table.add_argument("file", metavar="RESULT", help=f"{_RESULT} (of solve with --flow always)")
-    table.add_argument("-o", "--output", type=Path, metavar="TABLE", help="write it, as .csv, .nc or .inp")
-
-    compare = add_verb("compare", _compare)
-    for name in ("before", "after"):
-        compare.add_argument(name, metavar="RESULT", help=f"{_RESULT}, or of a run; {name} the change")
-    compare.add_argument(
-        "--share",
-        type=float,
-        metavar="NUMBER",
-        help="compare every number, and allow a relative change by this share: 0.01 is 1 %%",
-    )
-    _add_json(compare)
-
-    export = add_verb("export", _export)
-    export.add_argument("folder", type=Path, metavar="RESULT", help=_RESULT)
-    export.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", required=True, help=_endings(saving.EXPORTED_BY_ENDING)
-    )
-
-    crate = add_verb("crate", _crate)
-    crate.add_argument(
-        "folder", metavar="FOLDER", help="the results of the run; ro-crate-metadata.json goes there"
-    )
-    crate.add_argument(
-        "--configfile",
-        dest="configuration",
-        metavar="FILE",
-        help="the settings of the run: they, the table and the measured files go into the crate, which then "
-        "repeats the run",
-    )
-    crate.add_argument(
-        "--license",
-        dest="terms",
-        metavar="TEXT",
-        help="address of the licence under which others may use the results, or its text",
-    )
-    crate.add_argument("--author", metavar="TEXT", help='who made the run: "Name <address of the ORCID>"')
-    crate.add_argument(
-        "--publisher", metavar="TEXT", help='the organisation that publishes it: "Name <address of the ROR>"'
-    )
+        for command, names, metavar, kind, count, meaning in _ARGUMENTS:
+            if command == name:
+                form: dict[str, Any] = {"metavar": metavar, "type": _TYPES.get(kind)}
+                form |= {"required": True} if count == "required" else {"nargs": count or None}
+                form = {"action": "store_true"} if kind == "flag" else form
+                subparser.add_argument(*names.split(), help=meaning.format_map(words), **form)
+        if name == verb and add_further:
+            add_further(subparser)
     return parser
 
 
@@ -272,45 +182,30 @@ def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
     for column in _COLUMNS:
         option = f"--{column.replace('_', '-')}"
         parser.add_argument(option, metavar="TEXT", help=column_meaning(column))
-    parser.add_argument("--before", metavar="FILE", help=_BEFORE)
     add_derived(parser, COURSES)
 
 
-def _add_overview(parser: argparse.ArgumentParser) -> None:
-    """Add the options of coarser maps around a map."""
-    parser.add_argument(
-        "--overview",
-        type=Path,
-        nargs="+",
-        default=[],
-        metavar="FILE",
-        help="coarser maps of a larger field around the map, by the next lower magnification",
-    )
-    parser.add_argument(
-        "--overview-position",
-        default="",
-        metavar="X Y UNIT",
-        help="x and y of the middle of the map in the overview ('300 250 um'), where it cannot be found; "
-        "elsewhere: the overview is of another position of the face",
-    )
-
-
 def _add_file_options(parser: argparse.ArgumentParser) -> None:
-    """Add options for information that is missing in a file, and for the output format."""
+    """Add options for information that is missing in a file."""
     from roughcontact.io.request import FILE_OPTIONS
 
     group = parser.add_argument_group("information missing in the file")
     for name, text in FILE_OPTIONS.items():
         metavar = "LENGTH" if name in ("dx", "dy") else "TEXT"
         group.add_argument(f"--{name}", help=text, metavar=metavar)
-    _add_json(parser)
 
 
-def _add_json(parser: argparse.ArgumentParser) -> None:
-    """Add the option for the output format."""
-    parser.add_argument(
-        "--json", action="store_true", help="print for machines: SI units, names as in the files"
-    )
+def _add_settings(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `solve`: for the file, and for each setting."""
+    from roughcontact.interface.command_line.options import add_settings
+
+    _add_file_options(parser)
+    add_settings(parser)
+
+
+def _add_usage(parser: argparse.ArgumentParser) -> None:
+    """Say of `run` that all its options are those of Snakemake."""
+    parser.usage, parser.description = "roughcontact run [OPTION ...]", _RUN
 
 
 def _read_arguments(options: argparse.Namespace) -> dict[str, Any]:
@@ -375,8 +270,8 @@ def _solve(options: argparse.Namespace) -> int:
                     *arguments,
                     threads=threads,
                     output=output,
-                    overviews=options.overview,
-                    overview_position=options.overview_position,
+                    overviews=options.overview or (),
+                    overview_position=options.overview_position or "",
                 )
     except SettingsError as error:
         raise SettingsError(message_with_options(error)) from error
@@ -454,11 +349,12 @@ def _app(options: argparse.Namespace) -> int:
     signal.signal(signal.SIGINT, lambda *_: os._exit(_failed("interrupted", 130)))
     from roughcontact.interface.app.server import serve
 
+    folder = options.folder or Path()
     try:
-        return serve(options.folder, port=options.port, browser=not options.no_browser)
+        return serve(folder, port=options.port or 0, browser=not options.no_browser)
     except (OSError, OverflowError) as error:
         raise SettingsError(
-            f"{options.folder}: its page cannot be served ({error}); name a folder that you may write in, "
+            f"{folder}: its page cannot be served ({error}); name a folder that you may write in, "
             "and a free --port"
         ) from error
 
@@ -482,7 +378,7 @@ def _methods(options: argparse.Namespace) -> int:
     from roughcontact.report.methods import methods_paragraph
 
     files: list[Path] = []
-    for path in map(Path, options.files):
+    for path in map(Path, options.files or ["results"]):
         files += sorted(path.glob("**/*/statistics.nc")) or [_file_of_result(path)]
     for path in files:
         statistics = _read_run_statistics(str(path), single=True)
@@ -561,7 +457,22 @@ def _crate(options: argparse.Namespace) -> int:
     """Write the description of a run, and print its path."""
     from roughcontact.study.crate import write_crate
 
-    names = ("configuration", "terms", "author", "publisher")
-    entries = {name: text for name in names if (text := getattr(options, name))}
+    names = {"configuration": "configfile", "terms": "license", "author": "author", "publisher": "publisher"}
+    entries = {name: text for name, option in names.items() if (text := getattr(options, option))}
     print(write_crate(options.folder, **entries))
     return 0
+
+
+# command -> what carries it out, and what adds options that are not in `arguments.tsv`
+_VERBS: dict[str, tuple[_Run, _Extension | None]] = {
+    "inspect": (_inspect, _add_file_options),
+    "solve": (_solve, _add_settings),
+    "init": (_init, _add_initial_settings),
+    "run": (_run, _add_usage),
+    "app": (_app, None),
+    "methods": (_methods, None),
+    "table": (_table, None),
+    "compare": (_compare, None),
+    "export": (_export, None),
+    "crate": (_crate, None),
+}
