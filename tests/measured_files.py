@@ -43,7 +43,11 @@ def header_lines(case):
     """Return the lines above a table of a case, with what they should lead to if they differ in that."""
     table = Path(__file__).with_name("unit") / "header_lines.tsv"
     rows = [line.split("\t") for line in table.read_text(encoding="utf-8").splitlines()]
-    found = [(lines.replace(r"\n", "\n"), *expected) for name, lines, *expected in rows if name == case]
+    found = [
+        (lines.replace(r"\n", "\n").replace(r"\t", "\t"), *expected)
+        for name, lines, *expected in rows
+        if name == case
+    ]
     return [row if len(row) > 1 else row[0] for row in found]
 
 

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from measured_files import GIVEN, cells, holds, points, refuses, saved, steps, warnings_of
+from measured_files import GIVEN, cells, header_lines, holds, points, refuses, saved, steps, warnings_of
 from shared_data import DATA
 
 from roughcontact import InputFileError, inspect_file, read_height_map
@@ -183,27 +183,7 @@ def test_the_end_of_a_file_of_dos_and_a_blank_line_without_end(read):
     assert_trace(read("x (mm)  z (µm)\n" + trace(" ") + "   "))
 
 
-@pytest.mark.parametrize(
-    "heading",
-    [
-        "x (mm);z (µm)",
-        "X_[mm];Z_[um]",
-        "x/mm;z/µm",
-        "x in mm;y in µm",
-        "Lateral mm;Raw Micrometer",
-        "mm lateral;µm height",
-        "mm;um",
-        "Distance;Height\nmm;um",
-        "Distance;Height\nmm;um\nA;B",
-        '"x (mm)";"z (µm)"',
-        "x (mm) z (µm)",
-        "x in mm  z in µm",
-        "mm µm",
-        "# x [mm]\tz [µm]",
-        "x z\nmm um",
-        "[Meta Data]\nScan Length=60\nHorizontal Units=mm\nVertical Units=um\n[Scan Data]",
-    ],
-)
+@pytest.mark.parametrize("heading", header_lines("headings of a profile"))
 def test_units_of_headings_in_both_orders(read, heading):
     assert_trace(read(f"made on Monday\n{heading}\n" + trace(";" if ";" in heading else "   ")))
 

@@ -262,14 +262,7 @@ def test_units_of_other_columns_in_a_line_of_units(read, unit):
     is_right(read(f"X;Y;Z;Intensity\nµm;µm;nm;{unit}\n{cells(table, ';')}"), ONE)
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        *("Alle Angaben in mm", "Position in mm, height in µm", "x in mm, z in µm", "x/mm z/µm", "mm, µm"),
-        *("[mm] [µm]", "x [mm]", "X in Millimetern", "step 0.5 mm", "Slope profile", "Gegenrichtung; zurück"),
-        *("Gain x10", "taken " + "again " * 12 + "backwards"),
-    ],
-)
+@pytest.mark.parametrize("line", header_lines("against headings"))
 def test_a_line_above_headings_that_they_do_not_agree_with_is_said(read, line):
     table = cells(np.column_stack([np.arange(10.0) / 2, ONE[0]]), ";")
     height = read(f"{line}\nx [µm];z [nm]\n{table}")

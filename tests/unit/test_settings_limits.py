@@ -391,69 +391,6 @@ def test_a_count_is_a_whole_number(key):
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "rule"),
-    [
-        ("level.order", 0, "must not be less than 1 (total order of"),
-        ("window.width", 0, "must be greater than 0 (share of the side"),
-        ("window.width", 0.7, "must not be greater than 0.5 (share of"),
-        ("contact.tolerance", 1, "must be less than 1 (largest accepted"),
-        ("level.max_missing", "half", "must be a finite number (largest share"),
-        ("level.robust", 3, "must be true or false (fit without"),
-        ("report.title", ["a"], "must be text (title of the page)"),
-        ("surfaces", "", "must not be empty (path of the table"),
-        ("surfaces", 1, "must be text (path of the table"),
-        ("composite.rotations", 90, "must be a list (angles by which"),
-        ("uncertainty.sources", "window", "must be a list (list of"),
-        ("composite.rotations", [], "the list is empty, give at least one number or leave the key out"),
-        ("contact.bodies", [STEEL] * 3, "needs exactly two bodies (the two"),
-        ("contact.bodies", 2, "must be a list (the two bodies"),
-        ("contact.bodies", ["steel"], "needs exactly two bodies (the two"),
-        ("level", [], "must be a group of settings (indented lines `key: value`)"),
-        ("level.fill", "HARMONIC", "unknown choice, did you mean harmonic? (how"),
-        ("level.fill", "xyz", "unknown choice, valid are harmonic, none (how missing"),
-    ],
-)
-def test_every_rule_has_its_sentence(key, value, rule):
-    assert said(configured(key, value))[0].startswith(f"{key} = {value!r}: {rule}")
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "line"),
-    [
-        (
-            "contact.bodies",
-            [STEEL, 3],
-            "[1] = 3: must be a group of settings (indented lines `key: value`) (the",
-        ),
-        (
-            "contact.bodies",
-            [STEEL, {"youngs_modulus": 1e9}],
-            "[1].poissons_ratio: missing (Poisson's ratio, no",
-        ),
-        (
-            "contact.bodies",
-            [STEEL, STEEL | {"poison": 1}],
-            "[1].poison: unknown key, did you mean poissons_ratio",
-        ),
-        ("contact.target", ["yield"], "[0] = 'yield': unknown choice, did you mean first_yield? (further"),
-        (
-            "uncertainty.sources",
-            ["solver", "windows"],
-            "[1] = 'windows': unknown choice, did you mean window? (l",
-        ),
-        ("level.Fill", "none", ": unknown key, did you mean fill?"),
-        (
-            "statistics.colour",
-            1,
-            ": unknown key, valid are pressure_bins, gap_bins, flow, stress, work_of_adh",
-        ),
-    ],
-)
-def test_a_mistake_within_a_list_and_a_key_that_is_none_have_theirs(key, value, line):
-    assert said(configured(key, value))[0].startswith(f"{key}{line}")
-
-
-@pytest.mark.parametrize(
     ("contact", "line"),
     [
         (
