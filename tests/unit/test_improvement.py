@@ -115,7 +115,7 @@ def test_the_largest_source_decides_what_halves_the_interval(widths, reasons, wo
 
 def test_the_number_of_places_for_ten_percent_is_the_smallest():
     places = int(improvement.planning_line(statistics({"window": 0.3, "solver": 0.01})).split()[0])
-    widths = improvement._half_widths_of_places(0.3, AREA, 0.1)
+    widths = 0.3, improvement._half_width_elsewhere(0.3, AREA, 0.1)
     assert (
         improvement.half_width_of_mean(widths, places, 0.01)
         <= 0.1
@@ -218,8 +218,7 @@ def test_other_places_are_expected_to_be_known_as_those_of_the_bank():
     assert 0 < power < 1
     alike = np.exp(constant / (1 - power))  # on the scale; where a tenth touches it is as good as relative
     for ratio in (0.25, 0.5, 2.0):
-        of_map, elsewhere = improvement._half_widths_of_places(ratio * alike, AREA, 0.1)
-        assert of_map == ratio * alike
+        elsewhere = improvement._half_width_elsewhere(ratio * alike, AREA, 0.1)
         assert elsewhere == pytest.approx(alike * ratio**power, rel=0.01)
 
 

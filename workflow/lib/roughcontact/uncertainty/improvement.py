@@ -48,8 +48,7 @@ def half_width_of_mean(windows: Sequence[float], maps: int, shared_error: float,
     measured = maps - 1.0
     square = 2 * scipy.special.gammaincinv(measured / 2, 0.5)  # median of chi-square
     variance = scatter**2 * (expected + square) / (expected + measured)
-    factor = student(np.array(expected + measured))
-    return math.hypot(float(factor * np.sqrt(variance / maps)), shared_error)
+    return math.hypot(float(student(np.array(expected + measured)) * np.sqrt(variance / maps)), shared_error)
 
 
 def maps_for(target: float, windows: Sequence[float], shared_error: float, name: str = AREA) -> int | None:
@@ -123,9 +122,9 @@ def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
     half_width, widths = subject.half_width, subject.widths
     if math.isnan(subject.value) or half_width <= _NARROW:
         return ""
-    first_steps, advice = _advice(statistics)
+    actions, advice = _advice(statistics)
     if not math.isfinite(half_width) or math.isinf(subject.of_places[0]):
-        return "; ".join([*first_steps, _LONGER_FIELD])
+        return "; ".join([*actions, _LONGER_FIELD])
     if "window" in widths:
         advice["window"] = _more_places(subject)
         if overview and subject.name == AREA and f"{AREA}_alone_lower" not in statistics:
@@ -135,7 +134,6 @@ def halving_line(statistics: xr.Dataset, *, overview: bool = False) -> str:
                 text = f"{_OVERVIEW} (to about ± {percent(promised, digits=2)})"
                 advice["window"] = f"{text}, or {advice['window'].removeprefix('measure ')}"
     by_size = sorted(widths, key=widths.__getitem__, reverse=True)
-    actions = [*first_steps]
     for rank, source in enumerate(by_size, start=1):
         actions.append(advice[source])
         if math.hypot(*(widths[name] for name in by_size[rank:])) <= half_width / 2:
@@ -159,11 +157,10 @@ def _advice(statistics: xr.Dataset) -> tuple[list[str], dict[str, str]]:
     return [f"clean the summit at ({x}, {y})"], advice
 
 
-def _half_widths_of_places(of_window: float, name: str, value: float) -> tuple[float, float]:
-    """Return the relative half-widths of a number by the window of a map, and of another place."""
-    if name != AREA:  # of no other number the bank tells how those of other places differ
-        return of_window, of_window
-    return of_window, _by_the_bank(table()["groups"]["other_places"], of_window, value)
+def _half_width_elsewhere(of_window: float, name: str, value: float) -> float:
+    """Return the relative half-width by the window of another place, from that of the window of a map."""
+    # of no other number the bank tells how those of other places differ
+    return _by_the_bank(table()["groups"]["other_places"], of_window, value) if name == AREA else of_window
 
 
 def _by_the_bank(line: Sequence[float], of_window: float, area: float) -> float:
@@ -228,7 +225,7 @@ def _subject_at_load(at_load: xr.Dataset, name: str) -> _Subject:
         value,
         half_width=power * float(relative_half_width(value, lower, upper)),
         widths=by_source,
-        of_places=_half_widths_of_places(of_window, name, value),
+        of_places=(of_window, _half_width_elsewhere(of_window, name, value)),
         shared_error=math.hypot(*(width for source, width in by_source.items() if source != "window")),
         size="of this size, each with its overview" if f"{name}_{ALONE}" in at_load else "of this size",
     )
