@@ -179,6 +179,16 @@ def lifted():
     )
 
 
+@pytest.mark.parametrize("name", ALLOWED_VALUES)
+def test_what_must_not_fall_below_its_limit_is_compared_by_its_reciprocal(name):
+    """The ends of a reciprocal change places."""
+    allowed = ALLOWED_VALUES[name]
+    ends = dict(zip(("", "_lower", "_upper"), (4.0, 2.0, 5.0), strict=True))
+    numbers = {f"{allowed.numbers[0]}{end}": ("load", [number]) for end, number in ends.items()}
+    expected = [4, 2, 5] if allowed.sense > 0 else [1 / 4, 1 / 5, 1 / 2]
+    np.testing.assert_array_equal(compared_ends(xr.Dataset(numbers), name)[:, 0], expected)
+
+
 def test_what_a_fluid_lifts_does_not_hold_in_files_and_words(lifted):
     """Handbooks of seals: below the pressure of the fluid the bodies part, however closed the gap was."""
     np.testing.assert_array_equal(lifted["leak_holds"], [1, 0])

@@ -137,6 +137,22 @@ def test_yield_below_the_surface_counts_and_first_yield_far_below_the_load():
     np.testing.assert_array_equal(is_yielding(numbers | elastic), [0, 0])
 
 
+@pytest.mark.parametrize(
+    ("further", "decision"),
+    [
+        # one and a half times the mean pressure of a smooth spot is its largest (Hertz)
+        ({"mean_contact_pressure_lower": [1.4e9]}, 1),
+        ({"mean_contact_pressure_lower": [1.2e9]}, NAN),
+        # of a hardness with a range both ends have to be reached
+        ({"max_pressure_lower": [2e9], "hardness_lower": 1.5e9, "hardness_upper": 3e9}, NAN),
+        ({"max_pressure_lower": [2e9], "hardness_lower": 1.5e9, "hardness_upper": 2.1e9}, 1),
+    ],
+)
+def test_yield_by_the_pressure_of_a_spot_and_by_a_range_of_hardness(further, decision):
+    numbers = {"mean_pressure": [1e6], "hardness": 2e9, "max_pressure": [2e9], "max_pressure_upper": [2.2e9]}
+    np.testing.assert_array_equal(is_yielding(numbers | {"max_pressure_lower": [1e9]} | further), [decision])
+
+
 @pytest.mark.parametrize(("maps", "least"), [("ten", 0.95), ("others", 0.94)])
 def test_the_decided_answers_of_a_seal_are_right_of_other_places(maps, least):
     """Counts of `benchmarks/sealing.py`: at most 25 of 80 not decided, 95 % right."""
