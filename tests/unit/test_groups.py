@@ -291,6 +291,19 @@ def test_other_loads_are_interpolated_within_the_common_range_alone():
     assert "compared from 2.00 MPa to 6.00 MPa" in json.loads(group.attrs["remarks"])[0]
 
 
+def test_loads_of_a_map_far_apart_are_said_to_tell_little():
+    """The gap between them follows its stiffness, here that of gap = u ln(P/p)."""
+    maps = []
+    for scale, load in ((1e-6, (1e6, 1e7, 1e8)), (1.2e-6, (2e6, 2e7, 1e8)), (1.1e-6, (1e6, 1e7, 1e8))):
+        pressure = np.array(load)
+        data = one_map(scale * np.log(4e8 / pressure), load=load)
+        maps.append(data.assign(contact_stiffness=("load", pressure / scale)))
+    group = rc.group_statistics(maps)
+    assert "loads of a map that are 10 times apart" in json.loads(group.attrs["remarks"])[1]
+    expected = np.array([[1e-6], [1.2e-6], [1.1e-6]]) * np.log(4e8 / group["mean_pressure"].values)
+    np.testing.assert_allclose(group["mean_gap_of_maps"], expected, rtol=0.03)
+
+
 def test_a_map_that_stands_off_is_named_and_stays():
     gaps = [1.0, 1.01, 0.99, 1.02, 0.98, 3.0]
     group = group_of(gaps, names=["a", "b", "c", "d", "e", "chipped"])

@@ -9,7 +9,13 @@ import xarray as xr
 import roughcontact as rc
 from roughcontact.report.differences import case_rows
 from roughcontact.results.comparison import compare_statistics
-from roughcontact.statistics.load_pairs import SAME_LOAD, common_loads, interpolated, paired_loads
+from roughcontact.statistics.load_pairs import (
+    SAME_LOAD,
+    common_loads,
+    interpolated,
+    paired_loads,
+    slope_of_gap,
+)
 from roughcontact.uncertainty.differences import compare_maps
 
 LOADS = np.array([1e6, 2e6, 5e6])
@@ -90,3 +96,23 @@ def test_between_loads_a_power_law_stays_one():
     np.testing.assert_allclose(powers, np.log(loads), rtol=1e-12)
     with pytest.raises(rc.SettingsError, match="no load in common, b begins at 6"):
         common_loads("both", "ab", [result(LOADS), result([6e6])])
+
+
+def test_between_loads_ten_times_apart_the_gap_follows_its_stiffness():
+    """Of the law gap = u ln(P/p) the stiffness is p/u; without it the gap is off by 4 %."""
+    loads, between = 1e6 * np.array([1.0, 10.0, 100.0]), 1e6 * np.array([3.0, 30.0])
+    gap = 1e-6 * np.log(4e8 / loads)
+    law = result(loads, mean_gap=("load", gap), contact_stiffness=("load", loads / 1e-6))
+    found = np.exp(interpolated(loads, between, np.log(gap), slope_of_gap(law)))
+    np.testing.assert_allclose(found, 1e-6 * np.log(4e8 / between), rtol=0.02)
+    yielding = law.assign(loading_stiffness=("load", loads / 2e-6))
+    np.testing.assert_allclose(slope_of_gap(yielding), 2 * slope_of_gap(law))
+    assert slope_of_gap(law.drop_vars("contact_stiffness")) is None
+
+
+def test_slopes_that_are_not_known_or_too_steep_leave_a_monotone_curve():
+    loads, between = np.array([1.0, 10.0, 100.0, 1000.0]), np.geomspace(1.0, 100.0, 50)
+    gap = np.array([0.0, -1.0, -9.0, -np.inf])  # logarithms; the last one is closed
+    found = interpolated(loads, between, gap, np.array([np.nan, -1e3, np.nan, np.nan]))
+    assert (np.diff(found) < 0).all()
+    assert np.isinf(interpolated(loads, np.array([300.0]), gap, np.full(4, np.nan))).all()

@@ -16,8 +16,10 @@ import xarray as xr
 
 from roughcontact.arguments.quantities import quantity
 from roughcontact.errors import SettingsError
+from roughcontact.statistics.kinds import facts_of_numbers
 
 SAME_LOAD = 1e-3  # relative
+OF_SLOPE = ("loading_stiffness", "contact_stiffness", "mean_gap_as_solved")  # that of the gap over the load
 
 
 def paired_loads(
@@ -92,6 +94,19 @@ def common_loads(label: str, names: Sequence[str], datasets: Sequence[xr.Dataset
     return distinct[np.union1d(np.flatnonzero(solved_by_all), spread)]
 
 
+def widest_step(map_loads: np.ndarray, loads: np.ndarray) -> float:
+    """Return the ratio of the loads of a map, rising, between which others lie; the largest, 1 for none.
+
+    Examples
+    --------
+    >>> widest_step(np.array([1.0, 10.0, 20.0]), np.array([10.0, 15.0]))
+    2.0
+    """
+    between = loads[~same_load(loads[:, None], map_loads).any(axis=1)]
+    above = np.clip(np.searchsorted(map_loads, between), 1, map_loads.size - 1)
+    return float((map_loads[above] / map_loads[above - 1]).max(initial=1.0))
+
+
 def loads_reaching(goals: npt.ArrayLike, loads: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return the loads at which a number that rises with them first reaches goals; NaN beyond the loads.
 
@@ -111,10 +126,26 @@ def loads_reaching(goals: npt.ArrayLike, loads: np.ndarray, values: np.ndarray) 
     return np.exp(np.interp(*logarithms, left=np.nan, right=np.nan))
 
 
-def interpolated(map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np.ndarray:
+def slope_of_gap(data: xr.Dataset) -> np.ndarray | None:
+    """Return d ln(mean gap)/d ln(load) of a map, by its stiffness (load); None where it has none.
+
+    That of a body of finite size is of its approach.
+    """
+    stiffnesses = [data[name].values for name in OF_SLOPE[:2] if name in data]
+    if not stiffnesses or facts_of_numbers(data).own_numbers:
+        return None
+    gap = data.get("mean_gap_as_solved", data["mean_gap"]).values
+    with np.errstate(divide="ignore", invalid="ignore"):  # of a closed gap
+        return -data["mean_pressure"].values / (stiffnesses[0] * gap)
+
+
+def interpolated(
+    map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray, slopes: np.ndarray | None = None
+) -> np.ndarray:
     """Return numbers (load, ...), known at a map's own rising loads, at others within their range.
 
-    Else they are interpolated (monotone cubic in the logarithm); NaN or infinite, where a neighbour is.
+    Else they are interpolated (monotone cubic in the logarithm, with the `slopes` in it that are known); NaN
+    or infinite, where a neighbour is.
 
     Examples
     --------
@@ -124,9 +155,17 @@ def interpolated(map_loads: np.ndarray, loads: np.ndarray, values: np.ndarray) -
     nearest = np.abs(map_loads[None, :] - loads[:, None]).argmin(axis=1)
     if same_load(map_loads[nearest], loads).all():
         return values[nearest]
-    finite = np.isfinite(values)
-    inside = np.clip(np.log(loads), *np.log(map_loads[[0, -1]]))  # up to rounding
-    curve = scipy.interpolate.PchipInterpolator(np.log(map_loads), np.where(finite, values, 0.0))
+    finite, logarithms = np.isfinite(values), np.log(map_loads)
+    known = np.where(finite, values, 0.0)
+    inside = np.clip(np.log(loads), *logarithms[[0, -1]])  # up to rounding
+    curve = scipy.interpolate.PchipInterpolator(logarithms, known)
+    if slopes is not None:
+        # up to three times the chords beside it the curve is monotone (Fritsch and Carlson 1980)
+        chords = np.pad(np.abs(np.diff(known) / np.diff(logarithms)), 1, constant_values=np.inf)
+        steepest = 3 * np.minimum(chords[:-1], chords[1:])
+        of_curve = np.where(np.isfinite(slopes), slopes, curve(logarithms, 1))
+        of_curve = np.clip(of_curve, -steepest, steepest)
+        curve = scipy.interpolate.CubicHermiteSpline(logarithms, known, of_curve)
     next_index = np.clip(np.searchsorted(map_loads, loads), 1, map_loads.size - 1)
     # what is not finite at a neighbour is not finite between
     unknown = np.where(finite, 0.0, values)  # 0, NaN or infinite

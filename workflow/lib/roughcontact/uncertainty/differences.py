@@ -18,7 +18,7 @@ from roughcontact.arguments.quantities import percent
 from roughcontact.arguments.si import as_declared
 from roughcontact.errors import SettingsError
 from roughcontact.statistics.kinds import check_sizes
-from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads
+from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads, slope_of_gap
 from roughcontact.uncertainty import random_effects
 from roughcontact.uncertainty.combination import SIGNS, SOURCES
 from roughcontact.uncertainty.groups import check_alike, scaled_components
@@ -214,7 +214,10 @@ def _of_map(name: str, data: xr.Dataset, loads: np.ndarray | None, of_place: boo
     parts = to_scale(GAP, parts[np.isfinite(parts).any(axis=1)])  # the others are padding
     deviations = parts - (parts.mean(axis=0) if len(parts) else 0.0)
     numbers, own_loads = (value, widths, deviations.T), data["mean_pressure"].values
-    return numbers if loads is None else tuple(interpolated(own_loads, loads, values) for values in numbers)
+    if loads is None:
+        return numbers
+    slopes = slope_of_gap(data) if name == GAP else None, None, None
+    return tuple(interpolated(own_loads, loads, *pair) for pair in zip(numbers, slopes, strict=True))
 
 
 def _compare_two_maps(
