@@ -7,7 +7,7 @@ from known_surfaces import self_affine
 from read_charts import read_chart
 
 from roughcontact.report import load_plots
-from roughcontact.report.charts import COLOURS
+from roughcontact.report.charts import COLOURS, series_style
 from roughcontact.statistics import theory
 from roughcontact.surface.roughness.summits import summit_statistics
 
@@ -91,7 +91,7 @@ def test_contact_area_and_theories_against_the_load():
 
 def compared(results, styles=None):
     """Return what a chart of several surfaces shows, by default in as many colours."""
-    styles = styles or {name: load_plots.line_style(index) for index, name in enumerate(results)}
+    styles = styles or {name: series_style(index) for index, name in enumerate(results)}
     return read_chart(load_plots.compare_areas(results, styles), log="xy")
 
 
@@ -128,7 +128,7 @@ def test_every_surface_of_many_has_a_mark_of_its_own():
 
 def test_surfaces_are_colours_and_cases_are_line_styles():
     names = [(surface, case) for case in range(2) for surface in range(2)]
-    styles = {f"{surface} · {case}": load_plots.line_style(surface, case) for surface, case in names}
+    styles = {f"{surface} · {case}": series_style(surface, case) for surface, case in names}
     drawn = compared(dict.fromkeys(styles, numbers()), styles)
     seen = [(line.colour, line.style) for line in drawn.lines]
     assert seen == [(COLOURS[surface], "6 3" if case else "") for surface, case in names]

@@ -139,7 +139,7 @@ def test_with_interval(value, lower, upper, text):
         (300.0, 300.1, "300.00 to 300.10"),  # as many digits as tell the ends apart
         (0.0803, 4883.0, "0.0803 to 4880"),
         (1e-16, 4.0, "0 to 4.00"),  # rounding
-        (2.0, 2.0, "2.00 to 2.00"),
+        (2.0, 2.0, "2.00"),
         (4.4, np.nan, "4.40 or more"),
         (np.nan, np.nan, "–"),
     ],

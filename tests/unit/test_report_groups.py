@@ -65,6 +65,16 @@ def test_a_group_has_its_interval_the_next_map_and_a_scatter_without_plus_minus(
     assert asked["rows"][0][-1] == Cell("–")  # whose maps have none
 
 
+def test_an_interval_whose_ends_read_the_same_is_one_number():
+    """The next map in full contact: its area is the whole window at both ends."""
+    group = named("lapped", (0.9, 1.0, 1.1))
+    ends = {"relative_contact_area_next_lower": 0.9999999, "relative_contact_area_next_upper": 1.0}
+    ends = {name: ("load", [share, share]) for name, share in ends.items()}
+    (row,) = group_rows([group._replace(answer=group.answer.assign(ends))])
+    cells = dict(zip(group_headings().values(), row["rows"][0], strict=True))
+    assert cells["area of the next map"].text == "100.00 %"
+
+
 def test_a_group_says_the_verdicts_of_its_maps():
     group = named("lapped", (0.9, 1.0, 1.1))
     verdicts = {("1", None): "review", ("2", None): "use", ("3", None): "use", ("1", "soft"): "do not use"}

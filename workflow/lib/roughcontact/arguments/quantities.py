@@ -307,15 +307,17 @@ def range_in_words(low: str, high: str) -> str:
     Returns
     -------
     str
-        "–" where nothing bounds either.
+        "–" where nothing bounds either; ends that read the same are one number.
 
     Examples
     --------
     >>> range_in_words("1.2 MPa", "3.4 MPa"), range_in_words("1.2 MPa", "")
     ('1.2 MPa to 3.4 MPa', '1.2 MPa or more')
+    >>> range_in_words("100 %", "100 %")
+    '100 %'
     """
     if low and high:
-        return f"{low} to {high}"
+        return low if low == high else f"{low} to {high}"
     return f"{low} or more" if low else f"{high} or less" if high else "–"
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from roughcontact.arguments.answers import ALLOWED_VALUES, AREA, ENDS, TOTALS
-from roughcontact.arguments.quantities import quantity
+from roughcontact.arguments.quantities import quantity, range_in_words
 from roughcontact.arguments.variables import Numbers
 from roughcontact.report.units import quantity_text, unit_of
 from roughcontact.statistics.decisions import is_lifted, lifting_pressure
@@ -26,6 +26,10 @@ class Sentence(NamedTuple):
 
     def __str__(self) -> str:
         return "".join(self)
+
+    def continued(self, opening: str) -> "Sentence":
+        """Return the sentence after an opening that it goes on from."""
+        return self._replace(before=f"{opening}, {self.before[0].lower()}{self.before[1:]}")
 
 
 def stated_allowed(numbers: Numbers, answer: str = "") -> list[str]:
@@ -134,7 +138,7 @@ def _bounds_in_words(low: str, high: str) -> str:
     ('at least 1.20 MPa', 'at most 3.40 MPa')
     """
     if low and high:
-        return f"{low} to {high}"
+        return range_in_words(low, high)
     return f"at least {low}" if low else f"at most {high}"
 
 
@@ -143,7 +147,7 @@ def _load_in_words(numbers: Numbers, name: str) -> str:
     crossings = [float(numbers[f"{name}_holds_from{suffix}"]) for suffix in ENDS]
     (crossing, lower, upper), loads = crossings, np.asarray(numbers["mean_pressure"], float)
     at, low, high = (load_in_words(load, numbers)[1] if load > 0 else "" for load in crossings)
-    has_interval = (low or high) and len({*crossings}) > 1  # that of a fluid has none
+    has_interval = (low or high) and len({at, low, high}) > 1  # that of a fluid has none
     interval = _bounds_in_words(low, high) if has_interval else ""
     if np.isnan(crossing):
         sentence = f"{'below' if ALLOWED_VALUES[name].trend > 0 else 'beyond'} the loads solved"

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from roughcontact.arguments.materials import RIGID
-from roughcontact.arguments.quantities import Unit, number, prefix, quantity
+from roughcontact.arguments.quantities import Unit, prefix
 from roughcontact.arguments.stacks import layers_in
+from roughcontact.report.template import sentence
 
-_OF_BODY = (("hardness", "hardness"), ("yield_stress", "yield stress"))
 _TARGETS = {"percolation": "the load at which the gap closes", "first_yield": "the load of first yield"}
 
 
@@ -71,38 +71,12 @@ def measured_in_words(dates: Mapping[str, str]) -> str:
     >>> measured_in_words({"one": ""})
     ''
     """
-    days = sorted(filter(None, dates.values()))
-    if not days:
-        return ""
-    text = f"measured {' to '.join(dict.fromkeys([days[0], days[-1]]))}"
-    return text if len(days) == len(dates) else f"{text} ({len(days)} of {len(dates)} maps state it)"
+    return sentence("measured_on", sorted(filter(None, dates.values())), len(dates))
 
 
 def bodies_in_words(contact: Mapping[str, Any]) -> str:
     """Return the bodies, or the contact modulus where that is given."""
-    if bodies := contact.get("bodies"):
-        return " on ".join([*map(_body, bodies), "a rigid body"][:2])
-    text = f"contact modulus E* = {quantity(contact['contact_modulus'], 'Pa')}"
-    hardness = contact.get("hardness")
-    return f"{text}, hardness {quantity(hardness, 'Pa')}" if hardness else text
-
-
-def _body(body: Mapping[str, Any]) -> str:
-    """Return a body: its layers, and what they lie on."""
-    layers = [f"{quantity(layer['thickness'], 'm')} of {_solid(layer)}" for layer in layers_in(body)]
-    return " over ".join(filter(None, [" and ".join(layers), _solid(body)]))
-
-
-def _solid(body: Mapping[str, Any]) -> str:
-    """Return the name and the modulus of a body or a layer, and what limits its pressure."""
-    solid, details = "a rigid body" if body.get("youngs_modulus") == RIGID else "a rigid base", []
-    if solid == "a rigid base" and body.get("youngs_modulus") is not None:
-        solid = quantity(body["youngs_modulus"], "Pa")
-        details = [f"ν {number(body['poissons_ratio'], digits=2)}"]
-        if name := body.get("name"):
-            solid, details = name, [solid, *details]
-    details += [f"{text} {quantity(body[key], 'Pa')}" for key, text in _OF_BODY if body.get(key)]
-    return f"{solid} ({', '.join(details)})" if details else solid
+    return sentence("bodies", contact, layers_in, RIGID)
 
 
 def _loads(contact: Mapping[str, Any]) -> str:

@@ -11,6 +11,7 @@ from roughcontact.arguments.quantities import prefix
 from roughcontact.arguments.variables import has_number
 from roughcontact.report.charts import Axis, Chart, curves_chart, log_axis
 from roughcontact.report.glance import asked_columns
+from roughcontact.report.template import sentence
 from roughcontact.report.units import is_unbounded, largest_source, stated_loads, unit_of
 from roughcontact.uncertainty.combination import COMBINED
 
@@ -42,8 +43,9 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
     attempts = ["window"] if "window_reason" in numbers.attrs else []  # not known leaves the interval open
     present = {*present_sources(numbers), *attempts}
     absent = ", ".join(label for source, label in _SOURCE_LABELS.items() if source not in present)
+    open_ends = [TITLES[name] for name in COMPARED if is_unbounded(numbers, name)]
     notes = [numbers.attrs.get(key) for key in ("window_flag", "window_reason")]
-    notes += [f"Not in the ±: {absent}." if absent else "", _note_on_open_ends(numbers)]
+    notes += [f"Not in the ±: {absent}." if absent else "", sentence("or_more", open_ends)]
     return {
         "images": [(TITLES[name], budget_against_load(numbers, name).source()) for name in COMPARED],
         "intervals": interval_table(numbers.isel(load=list(loads))),
@@ -56,7 +58,7 @@ def largest_parts(numbers: xr.Dataset) -> str:
     loads: dict[str, list[str]] = {}
     for index, load in enumerate(stated_loads(numbers).texts):
         if source := largest_source(numbers, AREA, index):
-            loads.setdefault(_label(source), []).append(load)
+            loads.setdefault(_SOURCE_LABELS.get(source, source), []).append(load)
     by_load = [f"{source} ({', '.join(at)})" for source, at in loads.items()]
     return "; ".join(loads if len(loads) == 1 else by_load)
 
@@ -65,11 +67,6 @@ def present_sources(numbers: xr.Dataset) -> list[str]:
     """Return the sources of the ± of a surface, without those not judged."""
     of_sources = numbers[f"{AREA}_uncertainty"].drop_sel(source=COMBINED)
     return of_sources["source"].values[of_sources.notnull().any("load")].tolist()
-
-
-def _label(source: str) -> str:
-    """Return a source as it is written."""
-    return _SOURCE_LABELS.get(source, source)
 
 
 def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
@@ -88,22 +85,11 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
     chart = Chart(log_axis(label, loads), y, title=TITLES[name])
     *of_sources, upwards, downwards = shares
     for index, (source, share) in enumerate(zip(present, of_sources, strict=True)):
-        chart.series(index, loads, share, label=_label(source))
+        chart.series(index, loads, share, label=_SOURCE_LABELS.get(source, source))
     style = {"width": 2.2, "colour": "#000000"}
     chart.line(loads, upwards, label="all together, up", **style)
     chart.line(loads, downwards, label="down", dash="5 3", **style)
     return chart
-
-
-def _note_on_open_ends(numbers: xr.Dataset) -> str:
-    """Return a sentence on upper ends that are not known, empty where all are."""
-    open_bounds = [TITLES[name] for name in COMPARED if is_unbounded(numbers, name)]
-    if not open_bounds:
-        return ""
-    return (
-        f"“Or more”: nothing in this map bounds it upwards ({', '.join(open_bounds)}). Either the "
-        "instrument hides short waves, which carry the largest pressure, or the map has too few parts."
-    )
 
 
 def beyond_in_words(numbers: xr.Dataset) -> dict[str, str]:

@@ -11,21 +11,22 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from itertools import compress
+from itertools import compress, product
 from typing import Any
 from urllib.parse import quote
 
 import numpy as np
 
-from roughcontact.arguments.quantities import Unit, number
+from roughcontact.arguments.quantities import number
 from roughcontact.report.template import template
 
 # Okabe and Ito (2008): eight colours that colour-blind people can tell apart (yellow left out: too pale for
 # lines)
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 
-GREY = "#444444"  # of lines for comparison
-DASHED, DOTTED, DASH_DOTTED = "6 3", "2 2.5", "7 3 2 3"
+DASHES = ("", "6 3", "2 2.5", "7 3 2 3")  # of lines: solid, dashed, dotted, dash-dotted
+_, DASHED, DOTTED, _ = DASHES
+FOR_COMPARISON: dict[str, Any] = {"colour": "#444444", "width": 1.3}  # how such lines look
 _MAX_COLUMNS = 3  # of legends
 _LETTER_WIDTH = 0.56  # of a letter, on average, in units of the size of the text
 _DIGIT_WIDTH = 0.64  # of the wider fonts
@@ -121,26 +122,19 @@ def log_axis(label: str, values: np.ndarray, *, room: float = 1.5) -> Axis:
     return Axis(label, float(low) / room, float(high) * room, log=True)
 
 
-def load_label(unit: Unit) -> str:
-    """Return what stands at an axis of mean pressures."""
-    return f"mean pressure ({unit.symbol})"
-
-
-def series_style(index: int) -> dict[str, str]:
-    """Return colour and mark of one of several lines; another mark when the colours begin again."""
+def series_style(index: int, case: int = 0) -> dict[str, Any]:
+    """Return how one of several lines looks under a case; another mark when the colours begin again."""
     marker = MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
-    return {"colour": COLOURS[index % len(COLOURS)], "marker": marker}
+    of_case = {"filled": not case, "dash": DASHES[case % len(DASHES)]}
+    return {"colour": COLOURS[index % len(COLOURS)], "marker": marker, **of_case}
 
 
 def _decades(low: float, high: float, max_count: int) -> tuple[list[float], list[float]]:
     """Return the ticks of a logarithmic axis: powers of ten, where there are few also 2 and 5 times these."""
     lowest, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
-    inside = [
-        (power, digit, value)
-        for power in range(lowest, last + 1)
-        for digit in range(1, 10)
-        if low * (1 - 1e-9) <= (value := float(f"{digit}e{power}")) <= high * (1 + 1e-9)
-    ]
+    digits_of_powers = product(range(lowest, last + 1), range(1, 10))
+    values = [(power, digit, float(f"{digit}e{power}")) for power, digit in digits_of_powers]
+    inside = [value for value in values if low * (1 - 1e-9) <= value[2] <= high * (1 + 1e-9)]
     powers = [power for power, digit, _ in inside if digit == 1]
     # of many powers of ten only every second or third is written
     stride = -(-len(powers) // max_count) if powers else 1
@@ -227,7 +221,7 @@ class Chart:
         """Draw a straight line across the chart at a value of x or y."""
         ends_x = np.array([self.x.low, self.x.high] if x is None else [x, x])
         ends_y = np.array([self.y.low, self.y.high] if y is None else [y, y])
-        self.line(ends_x, ends_y, **{"colour": GREY, "width": 1.3} | style, label=label, read=bool(label))
+        self.line(ends_x, ends_y, **FOR_COMPARISON | style, label=label, read=bool(label))
 
     def band(self, low: float, high: float, *, label: str = "") -> None:
         """Shade the range between two values of x."""
@@ -371,8 +365,7 @@ def curves_chart(
     chart = Chart(x, log_axis(label, values, room=1.3), title=title)
     for index, (name, (abscissa, curve, *ends)) in enumerate(curves.items()):
         if ends:
-            lower, upper = ends
-            chart.bars(abscissa, lower, upper, colour=COLOURS[index % len(COLOURS)])
+            chart.bars(abscissa, *ends, colour=COLOURS[index % len(COLOURS)])
         chart.series(index, abscissa, curve, label=name)
     return chart
 

@@ -16,17 +16,15 @@ from roughcontact.arguments.answers import AREA, CONDUCTANCE, ENDS, FRICTION, GA
 from roughcontact.arguments.quantities import number, quantity
 from roughcontact.arguments.relaxation import MAX_MISFIT
 from roughcontact.report.allowed import Sentence
-from roughcontact.report.charts import Axis, Chart, curves_chart, load_label, log_axis
+from roughcontact.report.charts import Axis, Chart, curves_chart, log_axis
 from roughcontact.report.template import sentence
 from roughcontact.report.units import interval_values, length_unit, unit_of
 from roughcontact.results.storage import FAILURE, opened_dataset
 from roughcontact.statistics.decisions import CLOSED
 
-_UNLOADED = (
-    *(AREA, "mean_gap", "contact_stiffness", "thermal_conductance", "electrical_conductance"),
-    *("leak_rate_x", "leak_rate_y"),
-)
-_WORN = (AREA, PEAK, GAP, CONDUCTANCE, "leak_rate_x", "leak_rate_y")
+_LEAKS = ("leak_rate_x", "leak_rate_y")
+_UNLOADED = (AREA, GAP, "contact_stiffness", "thermal_conductance", "electrical_conductance", *_LEAKS)
+_WORN = (AREA, PEAK, GAP, CONDUCTANCE, *_LEAKS)
 _HEIGHTS = {"Sq": "root mean square", "Spk": "reduced peaks", "Svk": "reduced dales"}
 _FRICTIONS = {
     "persson_friction_coefficient": "theory of Persson (2001)",
@@ -77,10 +75,7 @@ def answer_with_courses(
     for part, before in _BEFORE.items():
         if part in sections:
             opening, *_ = sections[part]["sentences"][0].removesuffix(".").partition(". ")
-            at_rest = [
-                first._replace(before=f"{before}, {first.before[0].lower()}{first.before[1:]}")
-                for first in answer[:1]
-            ]
+            at_rest = [first.continued(before) for first in answer[:1]]
             answer = [Sentence(f"{opening}."), *at_rest, *answer[1:]]
     return [*answer]
 
@@ -98,7 +93,8 @@ def _unloading(loading: xr.Dataset, residual: xr.Dataset) -> Part:
     ways = {"loading": loading.drop_vars([name for name in map(str, loading) if name.endswith(ENDS[1:])])}
     ways |= {f"unloading from {quantity(way['peak_pressure'].item(), 'Pa')}": way for way in unloadings}
     curves = {label: (way["mean_pressure"].values * pascals.factor, way) for label, way in ways.items()}
-    x_axis = log_axis(load_label(pascals), np.concatenate([loads for loads, _ in curves.values()]))
+    all_loads = np.concatenate([loads for loads, _ in curves.values()])
+    x_axis = log_axis(f"mean pressure ({pascals.symbol})", all_loads)
     draw = partial(_over, curves, _UNLOADED, x_axis)
     return [_lowered(loading, unloading) for unloading in unloadings], draw
 

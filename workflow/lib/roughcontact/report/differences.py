@@ -10,6 +10,7 @@ from roughcontact.arguments.answers import AREA, COMPARED, GAP, PEAK, TITLES
 from roughcontact.arguments.quantities import with_interval
 from roughcontact.report import glance
 from roughcontact.report.glance import Cell
+from roughcontact.report.template import sentence
 from roughcontact.report.units import common_pressure, hardness_reached, stated_loads, unit_of
 from roughcontact.statistics.decisions import CLOSED
 from roughcontact.statistics.load_pairs import paired_loads
@@ -43,9 +44,8 @@ def comparison_rows(
         result = comparison.isel(load=shown)
         loads = result["mean_pressure"].values.tolist()
         at_loads = [[(data, nearest_load(data, load)) for data in results] for load in loads]
-        texts = list(map(unit_of(results[0], "Pa").text, loads))
-        row = _ratios(label, partner, result, at_loads)
-        rows.append(row | {"loads": texts, "of_maps": label not in of_groups})
+        row: Row = {"loads": [*map(unit_of(results[0], "Pa").text, loads)], "of_maps": label not in of_groups}
+        rows.append(row | _ratios(label, partner, result, at_loads))
     return rows
 
 
@@ -71,11 +71,11 @@ def case_rows(cases: Mapping[str, xr.Dataset], *, surface: str = "", equal_loads
         partners = partners[:, glance.shown_loads(results[0][AREA].values[partners[0]])]
         shared = [data.isel(load=indices) for data, indices in zip(results, partners, strict=True)]
         texts = [stated_loads(data, common_pressure(results)).texts for data in results]
-        row: Row = {"surface": surface, "loads": []}
-        for first_index, second_index in partners.T.tolist():
-            row["loads"].append(" / ".join(dict.fromkeys([texts[0][first_index], texts[1][second_index]])))
-        at_loads = [list(zip(results, indices, strict=True)) for indices in partners.T.tolist()]
-        rows.append(row | _ratios(*pair, case_differences(*shared), at_loads))
+        indices = partners.T.tolist()
+        loads = [" / ".join(dict.fromkeys([texts[0][first], texts[1][second]])) for first, second in indices]
+        at_loads = [list(zip(results, of_load, strict=True)) for of_load in indices]
+        ratios = _ratios(*pair, case_differences(*shared), at_loads)
+        rows.append({"surface": surface, "loads": loads} | ratios)
     return rows
 
 
@@ -97,30 +97,8 @@ def differences_in_words(differences: Sequence[Row]) -> str:
     >>> differences_in_words([row | {"rows": [area | {"outcomes": ["differ", "inconclusive: few"]}]}])
     'Contact area, B against A: differ (1.5 times as large, 1.2 to 1.8) at 1 MPa; inconclusive: few at 2 MPa.'
     """
-    sentences = []
-    for row in differences if len(differences) <= _IN_LINE else ():
-        of_area = next((part for part in row["rows"] if part["quantity"] == TITLES[AREA]), None)
-        if of_area is None:
-            continue
-        outcomes = of_area["outcomes"]
-        if len(differences) > 1:
-            outcomes = [outcome.partition(":")[0] for outcome in outcomes]
-        words = [
-            _with_ratio(outcome, cell) if cell.details else outcome
-            for outcome, cell in zip(outcomes, of_area["cells"], strict=True)
-        ]
-        at_loads = [
-            f"{words[index]} at {row['loads'][index]}" for index in dict.fromkeys([0, len(words) - 1])
-        ]
-        text = "; ".join(at_loads if len({*words}) > 1 else words[:1])
-        sentences.append(f"{row['second']} against {row['first']}: {text}")
-    return f"Contact area, {'; '.join(sentences)}." if sentences else ""
-
-
-def _with_ratio(outcome: str, cell: Cell) -> str:
-    """Return an outcome with its ratio, before what would decide it."""
-    word, colon, rest = outcome.partition(":")
-    return f"{word} ({cell.text} times as large, {cell.details}){colon}{rest}"
+    of_area = [row | part for row in differences for part in row["rows"] if part["quantity"] == TITLES[AREA]]
+    return sentence("differ", of_area, len(differences) > 1) if len(differences) <= _IN_LINE else ""
 
 
 def _ratios(reference: str, label: str, result: xr.Dataset, at_loads: Sequence[Sequence[Load]]) -> Row:
@@ -146,7 +124,7 @@ def _comparison(part: xr.Dataset, name: str, without_ratio: Sequence[str]) -> Ro
     """Return the row of a quantity: at each load its ratio with the interval, and the outcome.
 
     `without_ratio` says for each load why nothing is compared there, empty where it is. Cases, which differ
-    by what they state, have no outcomes.
+    by what they state, have empty outcomes.
     """
     cells = []
     for index, reason in enumerate(without_ratio):
@@ -154,7 +132,5 @@ def _comparison(part: xr.Dataset, name: str, without_ratio: Sequence[str]) -> Ro
         text, *interval = with_interval(ratio, low, high, finest=_FINEST).split()
         interval_text = with_interval(np.nan, low, high, finest=_FINEST) if interval else ""
         cells.append(Cell("–", reason) if reason else Cell(text, interval_text))
-    outcomes = (
-        np.where(np.equal(without_ratio, ""), part["outcome"], "").tolist() if "outcome" in part else []
-    )
+    outcomes = np.where(np.array(without_ratio, str) == "", part.get("outcome", ""), "").tolist()
     return {"quantity": TITLES[name], "cells": cells, "outcomes": outcomes}

@@ -2,9 +2,8 @@
 
 import re
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -30,7 +29,6 @@ _NEGLIGIBLE = 1e-4  # of the rms height: less than an atom on most maps
 # ways to make a window periodic, as a reader of the page knows them
 _PERIODIC_BY = dict.fromkeys(("smooth-cross-fade", "cross-fade"), "blending opposite edges")
 _PERIODIC_BY |= dict.fromkeys(("raw", "none"), "")  # the caption of the window says so
-_FLOW_NOT_SOLVED = "not solved, as no seal is stated"
 # names of the parameters of profiles and maps without their first letter, by the way they are written
 _PARAMETERS = (("a", "q", "z"), ("sk", "ku", "dq"), ("k", "pk", "vk"), ("sm",))
 
@@ -51,7 +49,7 @@ def surface_facts(
         "Not used": textwrap.shorten("; ".join(sources.get("not used", [])), 240, placeholder=" …"),
         "Channel": str(of_map.get("channel", "")),
         "Instrument": textwrap.shorten(", ".join(instrument), 160, placeholder=" …"),
-        "Assumed in the ±": _assumed(numbers),
+        "Assumed in the ±": sentence("assumed", Instrument.read(numbers.attrs).properties()),
         "Map": f"{_size(measured_map)} of {pitch}",
         "Missing points": percent(of_map.get("missing_share", 0.0)),
         "Counter-face": sentence("counter_face", levelled_map.attrs),
@@ -62,28 +60,16 @@ def surface_facts(
         **_parameters(levelled_map, length),
         "Window": _size(window),
         "Made periodic by": _PERIODIC_BY.get(method, method),
-        "Sal, Str, lay": _texture(numbers),
+        "Sal, Str, lay": sentence("texture", values_at_load(numbers, -1), LAY),
         "Points per shortest wave": number(float(numbers["points_per_shortest_wavelength"][0]), digits=2),
         **number_facts(numbers),
         "Body of finite size": size_of_contact(numbers, -1),
     }
 
 
-def _assumed(numbers: xr.Dataset) -> str:
-    """Return what the ± assumes of an instrument of which nobody has stated lens, tip or noise."""
-    stated = Instrument.read(numbers.attrs).properties().keys()
-    perfect = [] if stated & {"numerical_aperture", "resolution", "tip_radius"} else ["a perfect lens or tip"]
-    silent = [] if "noise" in stated else ["no noise beyond that of a flat spectrum"]
-    missing = " and ".join(perfect + silent)
-    return f"{missing}, as none is stated" if missing else ""
-
-
 def number_facts(numbers: xr.Dataset) -> dict[str, str]:
     """Return the facts that follow from the statistics of a surface, loads rising, as of `surface_facts`."""
-    closing, heat = _closing(numbers), "max_flash_temperature" in numbers
-    friction = (
-        "by the shear strength" if "flash_temperature_by" in numbers.attrs else "of the stated coefficient"
-    )
+    closing, is_solved = _closing(numbers), "flow_factor_xx" in numbers
     return {
         "rms height": unit_of(numbers, "m").text(float(numbers["rms_height"])),
         "rms gradient g": number(float(numbers["rms_gradient"])),
@@ -92,10 +78,10 @@ def number_facts(numbers: xr.Dataset) -> dict[str, str]:
         "First yield at the surface": _first_yield(numbers, "first_yield_pressure"),
         "First yield below the surface": _first_yield(numbers, "first_subsurface_yield_pressure"),
         "Gap closes": closing,
-        "Flow through the gap": _FLOW_NOT_SOLVED if closing and "flow_factor_xx" not in numbers else "",
+        "Flow through the gap": "not solved, as no seal is stated" if closing and not is_solved else "",
         "Adhesion": adhesion_in_words(numbers),
         "Stick and slip": numbers.attrs.get("slip_approximation", ""),
-        "Flash temperature": f"from the heat of the friction {friction}" if heat else "",
+        "Flash temperature": sentence("flashes", numbers.attrs, "max_flash_temperature" in numbers),
     }
 
 
@@ -115,18 +101,6 @@ def date_text(measured_map: xr.DataArray) -> str:
     """
     date = json_attribute(measured_map.attrs, "instrument").get("acquisition_time", "")
     return "".join(re.findall(r"^\d{4}-\d\d-\d\d", str(date)))
-
-
-def versions(numbers: xr.Dataset) -> str:
-    """Return the versions that wrote the statistics of a surface, from their attribute `versions` (JSON).
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> versions(xr.Dataset(attrs={"versions": '{"python": "3.11", "numpy": "2.1"}'}))
-    'python 3.11, numpy 2.1'
-    """
-    return ", ".join(map(" ".join, json_attribute(numbers.attrs, "versions").items()))
 
 
 def measured_caption(measured_map: xr.DataArray) -> str:
@@ -152,8 +126,7 @@ def levelled_caption(levelled_map: xr.DataArray) -> str:
     >>> levelled_caption(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(outlier_kinds='{"scar": 3}'))
     '0 points filled in, 0 outliers rejected (3 in scars). The red frame is the solved window.'
     """
-    frame = "" if are_lines(levelled_map) else " The red frame is the solved window."
-    return f"{removed_and_filled(levelled_map.attrs)}.{frame}"
+    return sentence("levelled", removed_and_filled(levelled_map.attrs), are_lines(levelled_map))
 
 
 def spectrum_caption(window: xr.DataArray, numbers: xr.Dataset) -> str:
@@ -181,11 +154,8 @@ def waves_in_words(window: xr.DataArray) -> str:
     >>> waves_in_words(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(band))
     'wavelengths above 3.30 µm'
     """
-    shortest = shortest_reliable_wave(window)
-    waves = f"wavelengths above {quantity(shortest, 'm')}" if shortest else ""
-    text = ", ".join(filter(None, [ensemble_in_words(window), waves]))
     causes = window.attrs.get("corrected_for")
-    return f"{text or 'the map'}, corrected for {causes}" if causes else text
+    return sentence("holds_for", ensemble_in_words(window), shortest_reliable_wave(window), causes)
 
 
 def _first_yield(numbers: xr.Dataset, name: str) -> str:
@@ -210,48 +180,21 @@ def _closing(numbers: xr.Dataset) -> str:
     flat = not np.isfinite(numbers.get("Std", np.nan))
     if "gap_percolates_x" not in numbers or flat or not facts_of_numbers(numbers).has_flow:
         return ""
-    loads, result = stated_loads(numbers).texts, {}
-    for axis in ("x", "y"):
-        first_closed = next(iter(np.flatnonzero(numbers[f"gap_percolates_{axis}"].values == 0)), len(loads))
-        if first_closed == len(loads):
-            result[axis] = f"not up to {loads[-1]}"
-        elif first_closed:
-            result[axis] = f"between {loads[first_closed - 1]} and {loads[first_closed]}"
-        else:
-            result[axis] = f"at {loads[0]} already"
-    if result["x"] == result["y"]:
-        return result["x"]
-    return "; ".join(f"along {axis} {text}" for axis, text in result.items())
+    open_loads = [int(np.cumprod(numbers[f"gap_percolates_{axis}"].values != 0).sum()) for axis in "xy"]
+    return sentence("closes", stated_loads(numbers).texts, *open_loads)
 
 
 def _size(height: xr.DataArray) -> str:
     """Return the size of a map, x first; of a profile, its length."""
-    sides = [(n, length) for n, length in zip(height.shape, side_lengths(height), strict=True) if n > 1][::-1]
-    lengths = " × ".join(quantity(length, "m") for _, length in sides)
-    points = " × ".join(str(n) for n, _ in sides)
-    return f"{lengths}, {points} points"
+    sides = [side for side in zip(height.shape, side_lengths(height), strict=True) if side[0] > 1]
+    return sentence("size", sides[::-1])
 
 
 def _removed(levelled_map: xr.DataArray) -> str:
     """Return the form that levelling removed."""
-    parts = [
-        f"{name.replace('_', ' ')} {_removed_part(name, entry, levelled_map)}"
-        for name, entry in json_attribute(levelled_map.attrs, "form_removed").items()
-        if name.startswith(("mean", "slope", "curvature", "radius", "axis"))  # the rest are coefficients
-        and not (are_lines(levelled_map) and name.endswith("_y"))
-    ]
-    return f"{levelled_map.attrs.get('form', 'none')}{': ' if parts else ''}{', '.join(parts)}"
-
-
-def _removed_part(name: str, entry: Mapping[str, Any], levelled_map: xr.DataArray) -> str:
-    """Return a mean, slope or curvature; 0 where it is negligible over the whole map."""
-    if entry["units"] == "degree":
-        return f"{entry['value']:.2f}°".replace("-", "−")
-    power = {"m": 0, "1": 1, "m-1": 2}[entry["units"]]
-    over_the_map = abs(entry["value"]) * max(side_lengths(levelled_map)) ** power
-    empty = over_the_map < _NEGLIGIBLE * float(np.nanstd(levelled_map.values))
-    value = 0.0 if empty else entry["value"]
-    return quantity(value, entry["units"].replace("m-1", "m⁻¹"))
+    removed, form = json_attribute(levelled_map.attrs, "form_removed"), levelled_map.attrs.get("form", "none")
+    longest, negligible = max(side_lengths(levelled_map)), _NEGLIGIBLE * float(np.nanstd(levelled_map.values))
+    return sentence("form_removed", form, removed, are_lines(levelled_map), longest, negligible)
 
 
 def _parameters(levelled_map: xr.DataArray, length: Callable[[float], str]) -> dict[str, str]:
@@ -264,15 +207,3 @@ def _parameters(levelled_map: xr.DataArray, length: Callable[[float], str]) -> d
         names = [letter + name for name in row if letter + name in parameters]
         facts[", ".join(names)] = ", ".join(show(parameters[name]) for name in names)
     return facts
-
-
-def _texture(numbers: xr.Dataset) -> str:
-    """Return length and direction of the texture, nothing for a flat map."""
-    if not np.isfinite(numbers["Sal"]):
-        return ""
-    length, ratio = quantity(float(numbers["Sal"]), "m"), float(numbers["Str"])
-    if not np.isfinite(ratio):  # the window is too narrow to tell
-        return length
-    # the lay is across the strongest waves
-    lay = f"{(float(numbers['Std']) + 90) % 180:.0f}° from x towards y" if ratio <= LAY else "none"
-    return f"{length}, {number(ratio)}, {lay}"

@@ -30,21 +30,19 @@ def write_results(
     folder: str | Path,
     *,
     finished: Sequence[collect.Entry],
-    title: str,
     settings: dict[str, Any],
     settings_of_statistics: dict[str, Any],
     groups: Mapping[str, Mapping[str, str]],
     pairs: Mapping[str, Sequence[str]] = MappingProxyType({}),
     same_area_pairs: Sequence[Sequence[str]] = (),
-    changed: Mapping[str, Sequence[str]] | None = None,
     failures: Sequence[collect.Failure] = (),
-    linked: bool = True,
+    **of_page: Any,
 ) -> list[str]:
     """Write the datasets, tables and page of all surfaces of a run; return why groups were left out.
 
     `groups` and `pairs` are those of `Plan`, `same_area_pairs` names of every two surfaces of the same area,
-    the earlier one first, `changed` the settings in words by case, `failures` surfaces without results; the
-    page is `linked` to the files of the run unless it is to stand by itself.
+    the earlier one first, `failures` surfaces without results; `of_page` are further arguments of
+    `write_report`: `title`, the settings `changed` in words by case, whether the page is `linked` to files.
     """
     folder = Path(folder)
     remove_earlier(folder)
@@ -57,16 +55,14 @@ def write_results(
     if failures:
         attrs |= json_attributes({"failed": list(failures)})
     write_dataset(statistics.assign_attrs(attrs), folder / "statistics.nc")
-    summary = collect.summary_table(statistics)
-    text = table_text(collect.append_failures(summary, failures))
+    text = table_text(collect.append_failures(collect.summary_table(statistics), failures))
     write_text(text, folder / "summary.csv")
     write_table(budget_table(statistics), folder / "uncertainty.csv")
     names_requested = {*chain.from_iterable((*same_area_pairs, *groups.values(), *pairs.values()))}
     by_case = _split_by_map(statistics, names_requested)
     answers, omissions = group_answers(by_case, groups, pairs)
-    compared, not_compared = _joined(
-        [comparisons(answers, same_area_pairs), map_comparisons(by_case, pairs, same_area_pairs)]
-    )
+    of_groups = comparisons(answers, same_area_pairs)
+    compared, not_compared = _joined([of_groups, map_comparisons(by_case, pairs, same_area_pairs)])
     omissions += not_compared
     if names_requested:
         attrs |= json_attributes({"left_out": omissions})
@@ -79,14 +75,12 @@ def write_results(
         finished=finished,
         statistics=statistics,
         summary=text,
-        title=title,
         settings=settings,
-        changed=changed,
         groups=answers,
         compared=compared,
         omissions=omissions,
         failures=failures,
-        linked=linked,
+        **of_page,
     )
     return omissions
 
@@ -167,10 +161,8 @@ def map_comparisons(
 
 def _joined(found: Sequence[Comparisons]) -> Comparisons:
     """Return all of some comparisons, and all sentences on those that cannot be made."""
-    result: dict[tuple[str, str], xr.Dataset] = {}
-    for compared, _ in found:
-        result |= compared
-    return result, [reason for _, reasons in found for reason in reasons]
+    compared = {labels: result for results, _ in found for labels, result in results.items()}
+    return compared, [reason for _, reasons in found for reason in reasons]
 
 
 def _split_by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[str, dict[str, xr.Dataset]]:
@@ -191,5 +183,4 @@ def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
     results = collect.solved_results(of_budget)
     tables = [uncertainty_table(data).assign(**labels) for labels, data in results]
     table = pd.concat(tables, ignore_index=True)
-    labels = [dim for dim in ("case", "surface") if dim in table]
-    return table[labels + [column for column in table if column not in labels]]
+    return table.set_index([dim for dim in ("case", "surface") if dim in table]).reset_index()

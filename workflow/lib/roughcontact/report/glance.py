@@ -225,8 +225,7 @@ def slip_in_words(numbers: xr.Dataset, index: int) -> str:
     if not {"stick_share", "tangential_load"} <= {*numbers.variables}:
         return ""
     loads, shares = numbers["tangential_load"].values, numbers["stick_share"].values[index]
-    known = [(ratio, share) for ratio, share in zip(loads, shares, strict=True) if np.isfinite(share)]
-    return sentence("sticks", known)
+    return sentence("sticks", list(zip(loads, shares, strict=True)))
 
 
 def exact_remarks(cells: Sequence[Cell]) -> list[Sentence]:
@@ -450,9 +449,8 @@ def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int
 
 def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return whether a body yields at a load, at its surface or below."""
-    below = np.nan
-    if "volume_above_yield" in numbers:
-        below = float(numbers["volume_above_yield"][index])  # infinite where all of the body yields
+    # infinite where all of the body yields
+    below = float(numbers["volume_above_yield"][index]) if "volume_above_yield" in numbers else np.nan
     if has_number(numbers, "hardness"):
         share = float(numbers["load_share_above_hardness"][index])
         if share == 0 and below > 0:

@@ -1,6 +1,7 @@
 """The groups of maps on the page: their answers at two or three loads and pictures, and those of several."""
 
 from collections.abc import Collection, Mapping, Sequence
+from operator import itemgetter
 
 import numpy as np
 import xarray as xr
@@ -10,20 +11,19 @@ from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import Unit, percent
 from roughcontact.arguments.variables import has_number
 from roughcontact.report import allowed, glance
+from roughcontact.report.charts import series_style
 from roughcontact.report.differences import Load, Row, differences_in_words, nearest_load
 from roughcontact.report.glance import Cell
-from roughcontact.report.load_plots import compare_areas, line_style
+from roughcontact.report.load_plots import compare_areas
+from roughcontact.report.template import sentence
 from roughcontact.report.units import common_pressure, hardness_reached, stated_loads
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 from roughcontact.uncertainty.groups import is_range
 from roughcontact.uncertainty.scales import from_scale, to_scale
 
-_HEADINGS = {
-    **{name: TITLES[name] for name in ("mean_pressure", AREA)},
-    "next": "area of the next map",
-    "scatter": "scatter s",
-}
+_HEADINGS = {name: TITLES[name] for name in (glance.LOAD, AREA)}
+_HEADINGS |= {"next": "area of the next map", "scatter": "scatter s"}
 _IN_LINE = 3  # groups
 
 Key = tuple[str, str | None]  # surface and case
@@ -43,9 +43,8 @@ def group_headings(columns: Collection[str] = ()) -> dict[str, str]:
     ['pressure in contact', 'mean gap', 'conductance']
     """
     names = {*USUAL, *columns} - {AREA}
-    return _HEADINGS | {
-        row.quantity: row.heading for name, row in ANSWERS.items() if row.quantity and name in names
-    }
+    rows = [row for name, row in ANSWERS.items() if name in names]
+    return _HEADINGS | {row.quantity: row.heading for row in rows if row.quantity}
 
 
 def answer_of_several(
@@ -60,13 +59,10 @@ def answer_of_several(
     and `last` the load at which it is asked.
     """
     # members of a group that is compared with no other: nobody asked for that
-    groups_alone = [group for group in groups if not group.members.is_compared]
-    uncompared = {
-        name_under(name, group.case) for group in groups_alone for name in group.answer["map"].values
-    }
-    line = differences_in_words(
-        [row for row in differences if not uncompared & {row["first"], row["second"]}]
-    )
+    alone = [group for group in groups if not group.members.is_compared]
+    uncompared = {name_under(name, group.case) for group in alone for name in group.answer["map"].values}
+    compared = [row for row in differences if not uncompared & {row["first"], row["second"]}]
+    line = differences_in_words(compared)
     if line or groups or not series:
         return line or groups_in_words(groups, series)
     return surfaces_in_words({name_under(*key): (data, last[key]) for key, data in series.items()})
@@ -104,11 +100,9 @@ def _shown(groups: Sequence[NamedGroup]) -> list[list[int]]:
 
 def group_picture(groups: Sequence[NamedGroup]) -> str:
     """Return the image of the groups and each of their maps at two or three loads."""
-    loads = _shown(groups)
-    displayed = {
-        group.label: group.answer.isel(load=shown) for group, shown in zip(groups, loads, strict=True)
-    }
-    styles = {label: line_style(index) for index, label in enumerate(displayed)}
+    loads = zip(groups, _shown(groups), strict=True)
+    displayed = {group.label: group.answer.isel(load=shown) for group, shown in loads}
+    styles = {label: series_style(index) for index, label in enumerate(displayed)}
     return compare_areas(displayed, styles)
 
 
@@ -200,9 +194,8 @@ def holding_in_words(results: Mapping[str, Load]) -> list[str]:
             surface: allowed.HOLDING.get(float(data[f"{name}_holds"][index]), allowed.NOT_DECIDED)
             for surface, (data, index) in results.items()
         }
-        in_words = _by_word(words, [allowed.HOLDS, allowed.FAILS, allowed.NOT_DECIDED])
         limit = allowed.limit_in_words(all_data[0], name)
-        sentences.append(f"{ALLOWED_VALUES[name].words} {limit}: {in_words}")
+        sentences.append(f"{ALLOWED_VALUES[name].words} {limit}: {_by_word(words, [*allowed.DECISIONS])}")
     return sentences
 
 
@@ -214,15 +207,8 @@ def _by_word(words: Mapping[str, str], order: Sequence[str] = ()) -> str:
     >>> _by_word({"a": "leaks", "b": "seals", "c": "leaks"}), _by_word({"a": "leaks", "b": "leaks"})
     ('leaks for a and c, seals for b', 'leaks for all 2')
     """
-    surfaces: dict[str, list[str]] = {word: [] for word in order}
-    for surface, word in words.items():
-        surfaces.setdefault(word, []).append(surface)
-    parts = []
-    for word, names in surfaces.items():
-        which = " and ".join(names) if len(names) < _IN_LINE else f"{len(names)} of {len(words)}"
-        which = f"all {len(words)}" if len(names) == len(words) else which
-        parts += [f"{word} for {which}"] if names else []
-    return ", ".join(parts)
+    by_word = {word: [name for name in words if words[name] == word] for word in [*order, *words.values()]}
+    return sentence("by_word", by_word, len(words), _IN_LINE)
 
 
 def surfaces_in_words(results: Mapping[str, Load]) -> str:
@@ -272,19 +258,11 @@ def _known_of_all(names: Sequence[str], results: Sequence[xr.Dataset]) -> list[s
 
 def _range_in_words(name: str, results: Mapping[str, Load]) -> str:
     """Return the least and the largest of a number at a load of each surface; empty where none is known."""
-    values = {surface: float(data[name][index]) for surface, (data, index) in results.items()}
-    # the conductance of full contact is infinite
-    surfaces = sorted(
-        (surface for surface in values if not np.isnan(values[surface])), key=values.__getitem__
-    )
-    if not surfaces:
-        return ""
     all_units = glance.glance_units([data for data, _ in results.values()])
-    texts = {
-        surface: glance.interval_cell(data, name, units, index).text
+    texts = [
+        (float(data[name][index]), surface, glance.interval_cell(data, name, units, index).text)
         for (surface, (data, index)), units in zip(results.items(), all_units, strict=True)
-    }
-    lowest, highest = texts[surfaces[0]], texts[surfaces[-1]]
-    if lowest == highest:  # at the digits that their intervals carry
-        return f"{TITLES[name]} {lowest} of all {len(surfaces)}"
-    return f"{TITLES[name]} from {lowest} ({surfaces[0]}) to {highest} ({surfaces[-1]})"
+    ]
+    # the conductance of full contact is infinite
+    rising = sorted((text for text in texts if not np.isnan(text[0])), key=itemgetter(0))
+    return sentence("ranges", TITLES[name], rising)

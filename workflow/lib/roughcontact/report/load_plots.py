@@ -7,24 +7,12 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, GAP, PEAK, PRESSURE, UNITS
-from roughcontact.report.charts import (
-    COLOURS,
-    DASH_DOTTED,
-    DASHED,
-    DOTTED,
-    GREY,
-    Axis,
-    Chart,
-    load_label,
-    log_axis,
-    series_style,
-)
+from roughcontact.report.charts import COLOURS, DASHED, DASHES, DOTTED, FOR_COMPARISON, Axis, Chart, log_axis
 from roughcontact.report.units import common_pressure, interval_values, is_unbounded, stated_loads, unit_of
 from roughcontact.statistics import theory
 from roughcontact.statistics.theory import AREAS
 from roughcontact.surface.roughness.summits import summit_statistics
 
-_DASHES = ("", DASHED, DOTTED, DASH_DOTTED)  # of cases
 _SHOWN_BELOW = 0.1  # of the least area: an interval that ends below is drawn as far as the axis reaches
 
 
@@ -43,17 +31,17 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     chart = _area_chart(load, areas, label=label)
     if has_theories(statistics):
         line = np.geomspace(relative.min() / 1.5, relative.max() * 1.5, 100)
-        x, style = line * unit * pascals.factor, {"colour": GREY, "width": 1.3}
-        chart.line(x, 100 * theory.persson_area(line), dash=DASHED, label="Persson", **style)
-        chart.line(x, 100 * theory.xu_area(line), label="Xu et al.", **style)
+        x = line * unit * pascals.factor
+        chart.line(x, 100 * theory.persson_area(line), dash=DASHED, label="Persson", **FOR_COMPARISON)
+        chart.line(x, 100 * theory.xu_area(line), label="Xu et al.", **FOR_COMPARISON)
         low_load = 100 * theory.bush_gibson_thomas_area(line)
-        chart.line(x, low_load, dash=DOTTED, label="Bush et al., low load", **style)
+        chart.line(x, low_load, dash=DOTTED, label="Bush et al., low load", **FOR_COMPARISON)
         if window is not None:
             modulus, summits = float(statistics["contact_modulus"]), summit_statistics(window)
             area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
             if np.isfinite(area).any():
-                style |= {"colour": "#8a5a00", "dash": DASH_DOTTED, "label": "Greenwood-Williamson"}
-                chart.line(x, 100 * area, **style)
+                look = FOR_COMPARISON | {"colour": "#8a5a00", "dash": DASHES[-1]}
+                chart.line(x, 100 * area, label="Greenwood-Williamson", **look)
     chart.bars(load, *(100 * bound for bound in bounds), colour=COLOURS[0])
     pixels = 100 * statistics[f"{AREA}_pixels"].values
     chart.marks(load, pixels, colour=COLOURS[0], filled=False, label="solved, pixels counted")
@@ -69,7 +57,7 @@ def has_theories(statistics: xr.Dataset) -> bool:
 def compare_areas(results: Mapping[str, xr.Dataset], styles: Mapping[str, dict[str, Any]]) -> str:
     """Draw the contact area with its interval against the load of surfaces or groups, by their labels.
 
-    Of groups (of `group_statistics`) each map is drawn, too. `styles` are those of `line_style`. The loads,
+    Of groups (of `group_statistics`) each map is drawn, too. `styles` are those of `series_style`. The loads,
     which rise, are mean pressures.
     """
     pressure = common_pressure(results.values())
@@ -79,7 +67,7 @@ def compare_areas(results: Mapping[str, xr.Dataset], styles: Mapping[str, dict[s
     areas, lower, _ = (np.concatenate(values) for values in zip(*intervals.values(), strict=True))
     points = [areas, _clipped_ends(lower, areas), *map(np.ravel, maps.values())]
     y, x = np.concatenate(points), np.concatenate([*loads.values()])
-    chart = _area_chart(x, y, size=(560.0, 430.0), letters=13.0, label=load_label(pressure))
+    chart = _area_chart(x, y, size=(560.0, 430.0), letters=13.0, label=f"mean pressure ({pressure.symbol})")
     room = min(0.08, 0.3 / len(results))  # ln(load) between the maps of a group and its mean
     for index, (name, style) in enumerate(styles.items()):
         is_group = maps[name].size > 0
@@ -91,11 +79,6 @@ def compare_areas(results: Mapping[str, xr.Dataset], styles: Mapping[str, dict[s
         chart.bars(load, *bounds, colour=style["colour"])
         chart.marks(load, area, width=0.0 if is_group else 1.0, label=name, **style)
     return chart.source()
-
-
-def line_style(surface: int, case: int = 0) -> dict[str, Any]:
-    """Return how the line of a surface, or group, under a case looks in `compare_areas`, by their places."""
-    return series_style(surface) | {"filled": not case, "dash": _DASHES[case % len(_DASHES)]}
 
 
 def bars_in_words(numbers: xr.Dataset, *names: str) -> str:

@@ -97,8 +97,6 @@ def interval_measurand(statistics: xr.Dataset, uncertainty: dict[str, Any]) -> s
     if "relative_contact_area_lower" not in statistics:
         return ""
     if facts_of_numbers(statistics).form_is_meant:
-        positions = statistics.attrs.get("window_reason")
-        return f"this body{', also at other positions on its roughness' if positions else ''}"
-    if "window" not in uncertainty["sources"]:
-        return "this map alone"
-    return MEASURAND_IN_WORDS
+        positions = "window_reason" in statistics.attrs
+        return f"this body{', also at other positions on its roughness' * positions}"
+    return MEASURAND_IN_WORDS if "window" in uncertainty["sources"] else "this map alone"

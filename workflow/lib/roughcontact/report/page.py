@@ -15,10 +15,11 @@ from roughcontact.report import ONE_PAGE, glance
 from roughcontact.report import groups as group_section
 from roughcontact.report.allowed import DECISIONS
 from roughcontact.report.asked import describe_problem, measured_in_words, same_loads
+from roughcontact.report.charts import series_style
 from roughcontact.report.courses import answer_with_courses, course_sections
 from roughcontact.report.differences import Row, case_rows, comparison_rows
 from roughcontact.report.groups import Key, name_under
-from roughcontact.report.load_plots import compare_areas, line_style
+from roughcontact.report.load_plots import compare_areas
 from roughcontact.report.summary import from_page, read_summary
 from roughcontact.report.template import template
 from roughcontact.results.collect import Entry, Failure, file_of, solved_results
@@ -58,7 +59,7 @@ def write_report(
     # a placement stands with its pair, which comes last
     group_of_surface = {str(name): group.name for group in groups for name in group.answer["map"].values}
     surfaces, cases_solved = [*by_surface], list(dict.fromkeys(case for _, case in series))
-    styles = {key: line_style(surfaces.index(key[0]), cases_solved.index(key[1])) for key in series}
+    styles = {key: series_style(surfaces.index(key[0]), cases_solved.index(key[1])) for key in series}
     ungrouped = {key: data for key, data in series.items() if key[0] not in group_of_surface}
     equal_loads = same_loads(settings)
     shared = glance.shared_loads(results, "place" if equal_loads else glance.LOAD)
@@ -105,14 +106,12 @@ def write_report(
         {"surface": name, "reason": reason, "cases": cases, "name": name_under(name, *cases)}
         for (name, reason), cases in causes.items()
     ]
-    maps = {name_under(*key): data for key, data in series.items()}
-    differences = comparison_rows(compared or {}, groups, maps)
+    by_name = {name_under(*key): data for key, data in series.items()}
+    differences = comparison_rows(compared or {}, groups, by_name)
     several = group_section.answer_of_several(groups, differences, series, last)
-    cases = [
-        row
-        for name, of_cases in by_surface.items()
-        for row in case_rows(of_cases, surface=name, equal_loads=equal_loads)
-    ]
+    cases: list[Row] = []
+    for name, of_cases in by_surface.items():
+        cases += case_rows(of_cases, surface=name, equal_loads=equal_loads)
     verdicts = {(row["surface"], row["case"]): VERDICTS[row["verdict"]] for row in rows}
     head = {
         "title": title,
@@ -136,13 +135,11 @@ def write_report(
         counts=Counter(row["verdict"] for row in rows),
         many=has_index,
         doubts=Counter(doubt for row in rows for doubt in row["doubts"]).most_common(),
-        surfaces=len(by_surface),
         cases_of_run=[*filter(None, cases_of_run)],
         are_shared=bool(shared),
         # of so many that an index stands for them, lines over one another tell nothing; groups have their own
         comparison="" if has_index else _comparison(ungrouped, styles),
         cases=[] if has_index else cases,
-        courses=[row["courses"] for row in rows],
         parts=[] if has_index else _parts(rows, folder),
         failures=failure_rows,
         groups=group_section.group_rows(groups, verdicts, asked),
@@ -150,7 +147,6 @@ def write_report(
         group_picture=group_section.group_picture(groups) if groups else None,
         left_out=omissions,
         compared=differences,
-        folded=bool(group_of_surface) and by_surface.keys() <= group_of_surface.keys(),
         measured=measured_in_words({row["surface"]: row["measured"] for row in rows}),
         open_below=OPEN_BELOW,
         open_parts=OPEN_PARTS,

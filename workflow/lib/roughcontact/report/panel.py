@@ -19,7 +19,7 @@ from roughcontact.report.courses import answer_with_courses, course_section
 from roughcontact.report.groups import name_under
 from roughcontact.report.methods import methods_paragraph
 from roughcontact.report.summary import relative_links, write_summary
-from roughcontact.report.template import template
+from roughcontact.report.template import sentence, template
 from roughcontact.report.units import stated_loads, unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks, outcome
@@ -58,11 +58,9 @@ def write_panel(
     numbers = numbers.isel(load=order)
     indices = glance.usable_loads(numbers)
     all_checks = checks.window_checks(numbers, window_map)
-    # of loads that nobody stated those are judged that are shown
-    are_planned = numbers.attrs.get("loads") == "planned"
-    judged_checks = (
-        checks.window_checks(numbers.isel(load=indices), window_map) if are_planned else all_checks
-    )
+    judged_checks = all_checks
+    if numbers.attrs.get("loads") == "planned":  # of loads that nobody stated those are judged that are shown
+        judged_checks = checks.window_checks(numbers.isel(load=indices), window_map)
     verdict = glance.verdict_on_asked(numbers, indices, outcome.worst_result(judged_checks))
     doubts = outcome.sort_by_importance(outcome.not_passed(all_checks))
     reason = glance.main_doubt(numbers, doubts)
@@ -119,7 +117,7 @@ def write_panel(
         files=relative_links(path, contents) if linked else [],
         methods=methods_paragraph(numbers) if "level" in json_attribute(numbers.attrs, "settings") else "",
         settings=json.dumps(settings, indent=1, sort_keys=True),
-        versions=facts.versions(numbers),
+        versions=json_attribute(numbers.attrs, "versions"),
     )
     write_text(html, path)
     write_summary(summary, path)
@@ -209,13 +207,8 @@ def each_load(numbers: xr.Dataset, with_maps: Sequence[int]) -> list[tuple[str, 
     loads = stated.values
     for index, cells in enumerate(glance.glance_rows(numbers, indices=range(loads.size))):
         nearest = int(np.argmin(np.abs(np.log(loads[list(with_maps)] / loads[index])))) if with_maps else 0
-        text = glance.answer_line(numbers, index, cells, alone=True)
-        if verdict := cells[glance.LOAD].outcome:
-            text += f" Verdict: {outcome.VERDICTS[verdict]}."
-        if index not in with_maps:
-            text += (
-                f" Maps of this load are not drawn{'; below those of the nearest load' * bool(with_maps)}."
-            )
+        answer, verdict = glance.answer_line(numbers, index, cells, alone=True), cells[glance.LOAD].outcome
+        text = sentence("at_load", answer, outcome.VERDICTS.get(verdict), index in with_maps, with_maps)
         name = f"{stated.texts[index]} ({index + 1} of {loads.size})"
         result.append((name, text, nearest, float(f"{loads[index]:.6g}")))
     return result

@@ -271,9 +271,7 @@ def _drawn(chart: Chart, ax: "Axes | None") -> "Axes":
         if kind in _METHODS:
             _METHODS[kind](ax, chart, **step)
     ax.set_axisbelow(True)
-    ax.grid(color="#dddddd")
-    if not chart.grid:
-        ax.grid(visible=False)
+    ax.grid(**{"color": "#dddddd"} if chart.grid else {"visible": False})
     if ax.get_legend_handles_labels()[1]:
         ax.legend(**_LEGEND_STYLE)
     return ax

@@ -16,7 +16,6 @@ from roughcontact.surface.roughness.spectrum import isotropic_spectrum
 
 _HEIGHT = Unit(1e9, "nm")  # of spectra, which are in nm² by the square of a length
 _SHELLS = 120  # points of the drawn curve per factor of ten in q
-_POWERS = {1: "", 2: "²"}  # of a unit of length
 
 
 def spectrum(window: xr.DataArray) -> str:
@@ -61,7 +60,7 @@ def _spectrum_chart(
 ) -> Chart:
     """Return the axes of a spectrum of a map of 1 or 2 axes: wavenumbers and wavelengths, powers."""
     x = log_axis(f"wavenumber q (rad/{length})", np.array(wavenumbers), room=1.3)
-    y = Axis(f"C(q) ({_HEIGHT.symbol}² {length}{_POWERS[axes]})", *powers, log=True)
+    y = Axis(f"C(q) ({_HEIGHT.symbol}² {length}{'²' if axes == 2 else ''})", *powers, log=True)
     top = Axis(f"wavelength ({length})", 2 * np.pi / x.low, 2 * np.pi / x.high, log=True)
     return Chart(x, y, top=top)
 

@@ -4,6 +4,7 @@ They follow from material, roughness and window of a surface, of several of the 
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -110,9 +111,9 @@ def stated_loads(numbers: Numbers, pressure: Unit | None = None) -> Loads:
     loads = np.asarray(numbers[kind.load], float)
     unit = pressure or unit_of(numbers, "Pa")
     unit = unit if kind.load_unit == "Pa" else Unit(*prefix(loads.max(), kind.load_unit))
-    texts = [unit.text(load) for load in loads.tolist()]
-    if kind.load_unit != "Pa":  # forces of any size: each has a prefix of its own
-        texts = [quantity(load, kind.load_unit) for load in loads.tolist()]
+    # forces of any size: each has a prefix of its own
+    written = unit.text if kind.load_unit == "Pa" else partial(quantity, unit=kind.load_unit)
+    texts = list(map(written, loads.tolist()))
     return Loads(kind.load_in_words, loads * unit.factor, f"{kind.load_in_words} ({unit.symbol})", texts)
 
 
