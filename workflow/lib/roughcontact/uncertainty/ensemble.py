@@ -87,9 +87,9 @@ class Result(NamedTuple):
         """The largest pressure (Pa) that a point bears."""
         return self.contact.get("hardness") or math.inf
 
-    def again(self, window: xr.DataArray) -> dict[str, np.ndarray]:
-        """Return the results of another window (load)."""
-        return self.solve(window, self.contact, names=self.values)
+    def again(self, window: xr.DataArray, **options: float) -> dict[str, np.ndarray]:
+        """Return the results of another window (load), solved with these options."""
+        return self.solve(window, self.contact, names=self.values, **options)
 
     def again_by_part(self, part: xr.DataArray, part_results: Values) -> dict[str, np.ndarray]:
         """Return the results of a changed window (load) by those of a part of it, and of that `before`."""
