@@ -160,7 +160,7 @@ def test_both_ways_on_the_page_are_as_solved_and_meet_at_the_peak(tmp_path, cycl
     up, down = chart.lines
     assert up.y[up.x.argmax()] == pytest.approx(down.y[down.x.argmax()], rel=0.01)
     lowest = 100 * float(statistics["relative_contact_area"][0])
-    assert f"as solved is {lowest:.1f} % on loading" in words
+    assert f" is {lowest:.1f} % on loading" in words
 
 
 def test_a_load_below_those_solved_has_no_area_of_loading_on_the_page(tmp_path, cycle):

@@ -31,7 +31,8 @@ _FRICTIONS = {
     "adhesive_friction_coefficient": "by the shear strength, alone",
 }
 WARM = 10.0  # K, by which the loss of a rubber shifts by half a decade of frequency
-_BEFORE = {"wear": "Before sliding", "sliding": "At rest"}  # part -> the contact of which all else is
+# part -> the contact of which all else is
+_BEFORE = {"wear": "Before sliding", "sliding": "At rest", "unloading": "On loading"}
 
 Charts = dict[str, Chart]  # by their labels
 Part = tuple[list[str], Callable[[], Charts]]  # sentences, and what draws the charts
@@ -64,7 +65,7 @@ def course_section(loading: xr.Dataset, path: Path, *, drawn: bool = False) -> t
 def answer_with_courses(
     answer: Sequence[Sentence], sections: Mapping[str, Mapping[str, Any]]
 ) -> list[Sentence]:
-    """Return the answer of a surface: those of wear and sliding, then its `answer` of the contact at rest.
+    """Return the answer of a surface: of wear, sliding and the way back, then its `answer`.
 
     Examples
     --------
