@@ -14,7 +14,7 @@ from roughcontact.statistics.load_pairs import (
     common_loads,
     interpolated,
     paired_loads,
-    slope_of_gap,
+    slopes_of,
 )
 from roughcontact.uncertainty.differences import compare_maps
 
@@ -103,11 +103,11 @@ def test_between_loads_ten_times_apart_the_gap_follows_its_stiffness():
     loads, between = 1e6 * np.array([1.0, 10.0, 100.0]), 1e6 * np.array([3.0, 30.0])
     gap = 1e-6 * np.log(4e8 / loads)
     law = result(loads, mean_gap=("load", gap), contact_stiffness=("load", loads / 1e-6))
-    found = np.exp(interpolated(loads, between, np.log(gap), slope_of_gap(law)))
+    found = np.exp(interpolated(loads, between, np.log(gap), slopes_of("mean_gap", law)))
     np.testing.assert_allclose(found, 1e-6 * np.log(4e8 / between), rtol=0.02)
     yielding = law.assign(loading_stiffness=("load", loads / 2e-6))
-    np.testing.assert_allclose(slope_of_gap(yielding), 2 * slope_of_gap(law))
-    assert slope_of_gap(law.drop_vars("contact_stiffness")) is None
+    np.testing.assert_allclose(slopes_of("mean_gap", yielding), 2 * slopes_of("mean_gap", law))
+    assert slopes_of("mean_gap", law.drop_vars("contact_stiffness")) is None
 
 
 def test_slopes_that_are_not_known_or_too_steep_leave_a_monotone_curve():

@@ -20,16 +20,16 @@ DECISIONS = {HOLDS: "passed", FAILS: "failed", NOT_DECIDED: "review"}
 class Sentence(NamedTuple):
     """A sentence of an answer; as text its parts are joined."""
 
-    before: str
+    subject: str
     decision: str = ""  # a key of `DECISIONS`; empty where nothing is decided
-    after: str = ""
+    detail: str = ""
 
     def __str__(self) -> str:
         return "".join(self)
 
     def continued(self, opening: str) -> "Sentence":
         """Return the sentence after an opening that it goes on from."""
-        return self._replace(before=f"{opening}, {self.before[0].lower()}{self.before[1:]}")
+        return self._replace(subject=f"{opening}, {self.subject[0].lower()}{self.subject[1:]}")
 
 
 def stated_allowed(numbers: Numbers, answer: str = "") -> list[str]:
@@ -57,10 +57,10 @@ def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = F
     # below its own heading a number needs no name
     subject = "" if brief and allowed.answer in allowed.numbers else allowed.words
     lifts = fluid_in_words(numbers, index, name)
-    after = f" ({lifts})" if lifts else ""
+    detail = f" ({lifts})" if lifts else ""
     if not brief:
-        after += f", {link}{_load_in_words(numbers, name)}{_roughness_in_words(numbers, name, index)}"
-    return Sentence(f"{' '.join(filter(None, [subject, total, limit]))}: ", word, after)
+        detail += f", {link}{_load_in_words(numbers, name)}{_roughness_in_words(numbers, name, index)}"
+    return Sentence(f"{' '.join(filter(None, [subject, total, limit]))}: ", word, detail)
 
 
 def limit_in_words(numbers: Numbers, name: str) -> str:

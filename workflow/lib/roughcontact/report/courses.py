@@ -86,9 +86,7 @@ def _unloading(loading: xr.Dataset, residual: xr.Dataset) -> Part:
     suffix = "_as_solved"  # the way back has no correction for the grid either
     as_solved = {key.removesuffix(suffix): loading[key] for key in map(str, loading) if key.endswith(suffix)}
     loading = loading.assign(as_solved).sortby("mean_pressure")
-    peaks = _along(residual, "peak")
-    unloadings = [peak.isel(load=np.isfinite(peak["mean_pressure"].values)) for peak in peaks]
-
+    unloadings = [way.isel(load=np.isfinite(way["mean_pressure"].values)) for way in _along(residual, "peak")]
     pascals = unit_of(loading, "Pa")
     # its intervals are of the corrected numbers
     ways = {"loading": loading.drop_vars([name for name in map(str, loading) if name.endswith(ENDS[1:])])}

@@ -278,7 +278,7 @@ def answer_sentences(
         elif precision:
             text = f"{text} ({precision})"
         words.append(text)
-    line = Sentence("; ".join([f"At {cells[LOAD].text}: {', '.join(words)}", *repeated]), after=".")
+    line = Sentence("; ".join([f"At {cells[LOAD].text}: {', '.join(words)}", *repeated]), detail=".")
     capital = [Sentence(f"{text[0].upper()}{text[1:]}", word, f"{rest}.") for text, word, rest in allowed]
     slip = slip_in_words(numbers, index)
     return [*capital, line, *([Sentence(slip)] if slip else [])]

@@ -14,12 +14,13 @@ import numpy.typing as npt
 import scipy
 import xarray as xr
 
+from roughcontact.arguments.answers import GAP
 from roughcontact.arguments.quantities import quantity
 from roughcontact.errors import SettingsError
 from roughcontact.statistics.kinds import facts_of_numbers
 
 SAME_LOAD = 1e-3  # relative
-OF_SLOPE = ("loading_stiffness", "contact_stiffness", "mean_gap_as_solved")  # that of the gap over the load
+OF_SLOPE = ("loading_stiffness", "contact_stiffness", f"{GAP}_as_solved")  # that of the gap over the load
 
 
 def paired_loads(
@@ -126,15 +127,15 @@ def loads_reaching(goals: npt.ArrayLike, loads: np.ndarray, values: np.ndarray) 
     return np.exp(np.interp(*logarithms, left=np.nan, right=np.nan))
 
 
-def slope_of_gap(data: xr.Dataset) -> np.ndarray | None:
-    """Return d ln(mean gap)/d ln(load) of a map, by its stiffness (load); None where it has none.
+def slopes_of(name: str, data: xr.Dataset) -> np.ndarray | None:
+    """Return d ln(mean gap)/d ln(load) of a map, by its stiffness (load); None of any other number.
 
     That of a body of finite size is of its approach.
     """
-    stiffnesses = [data[name].values for name in OF_SLOPE[:2] if name in data]
-    if not stiffnesses or facts_of_numbers(data).own_numbers:
+    stiffnesses = [data[key].values for key in OF_SLOPE[:2] if key in data]
+    if name != GAP or not stiffnesses or facts_of_numbers(data).own_numbers:
         return None
-    gap = data.get("mean_gap_as_solved", data["mean_gap"]).values
+    gap = data.get(f"{GAP}_as_solved", data[GAP]).values
     with np.errstate(divide="ignore", invalid="ignore"):  # of a closed gap
         return -data["mean_pressure"].values / (stiffnesses[0] * gap)
 
@@ -156,16 +157,15 @@ def interpolated(
     if same_load(map_loads[nearest], loads).all():
         return values[nearest]
     finite, logarithms = np.isfinite(values), np.log(map_loads)
-    known = np.where(finite, values, 0.0)
+    numbers = np.where(finite, values, 0.0)
     inside = np.clip(np.log(loads), *logarithms[[0, -1]])  # up to rounding
-    curve = scipy.interpolate.PchipInterpolator(logarithms, known)
+    curve = scipy.interpolate.PchipInterpolator(logarithms, numbers)
     if slopes is not None:
         # up to three times the chords beside it the curve is monotone (Fritsch and Carlson 1980)
-        chords = np.pad(np.abs(np.diff(known) / np.diff(logarithms)), 1, constant_values=np.inf)
+        chords = np.pad(np.abs(np.diff(numbers) / np.diff(logarithms)), 1, constant_values=np.inf)
         steepest = 3 * np.minimum(chords[:-1], chords[1:])
-        of_curve = np.where(np.isfinite(slopes), slopes, curve(logarithms, 1))
-        of_curve = np.clip(of_curve, -steepest, steepest)
-        curve = scipy.interpolate.CubicHermiteSpline(logarithms, known, of_curve)
+        slopes = np.where(np.isfinite(slopes), slopes, curve(logarithms, 1)).clip(-steepest, steepest)
+        curve = scipy.interpolate.CubicHermiteSpline(logarithms, numbers, slopes)
     next_index = np.clip(np.searchsorted(map_loads, loads), 1, map_loads.size - 1)
     # what is not finite at a neighbour is not finite between
     unknown = np.where(finite, 0.0, values)  # 0, NaN or infinite

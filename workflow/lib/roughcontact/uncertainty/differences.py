@@ -7,6 +7,7 @@ u² = (u2 - r u1)² + (1 - r²) u1² (JCGM 100:2008, 5.2.2).
 
 import math
 from collections.abc import Collection, Mapping, Sequence
+from functools import partial
 from itertools import combinations
 from typing import Any
 
@@ -18,7 +19,7 @@ from roughcontact.arguments.quantities import percent
 from roughcontact.arguments.si import as_declared
 from roughcontact.errors import SettingsError
 from roughcontact.statistics.kinds import check_sizes
-from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads, slope_of_gap
+from roughcontact.statistics.load_pairs import common_loads, interpolated, paired_loads, slopes_of
 from roughcontact.uncertainty import random_effects
 from roughcontact.uncertainty.combination import SIGNS, SOURCES
 from roughcontact.uncertainty.groups import check_alike, scaled_components
@@ -213,11 +214,10 @@ def _of_map(name: str, data: xr.Dataset, loads: np.ndarray | None, of_place: boo
     parts = data[f"{name}_parts"].transpose(..., "load").values if f"{name}_parts" in data else missing
     parts = to_scale(GAP, parts[np.isfinite(parts).any(axis=1)])  # the others are padding
     deviations = parts - (parts.mean(axis=0) if len(parts) else 0.0)
-    numbers, own_loads = (value, widths, deviations.T), data["mean_pressure"].values
     if loads is None:
-        return numbers
-    slopes = slope_of_gap(data) if name == GAP else None, None, None
-    return tuple(interpolated(own_loads, loads, *pair) for pair in zip(numbers, slopes, strict=True))
+        return value, widths, deviations.T
+    at_loads = partial(interpolated, data["mean_pressure"].values, loads)
+    return at_loads(value, slopes_of(name, data)), at_loads(widths), at_loads(deviations.T)
 
 
 def _compare_two_maps(
@@ -342,9 +342,8 @@ def _judged(comparisons: Mapping[Any, xr.Dataset], relevant: float = RELEVANT) -
     """Return the comparisons with p-values adjusted for all of them, and with outcomes."""
     for name in {name for data in comparisons.values() for name in data["quantity"].values}:
         family = [data["p_value"] for data in comparisons.values() if name in data["quantity"]]
-        for of_pair, p_values in zip(
-            family, random_effects.holm([table.loc[name].values for table in family]), strict=True
-        ):
+        adjusted = random_effects.holm([table.loc[name].values for table in family])
+        for of_pair, p_values in zip(family, adjusted, strict=True):
             of_pair.loc[name] = p_values
     judged = {}
     for key, data in comparisons.items():

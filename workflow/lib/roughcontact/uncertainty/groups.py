@@ -10,26 +10,20 @@ group is what the maps are samples of, without waves longer than a map.
 
 import hashlib
 from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.answers import ENDS, GAP, QUANTITIES
+from roughcontact.arguments.answers import ENDS, QUANTITIES
 from roughcontact.arguments.kinds import KIND_FACTS
 from roughcontact.arguments.measurement import json_attributes
 from roughcontact.arguments.quantities import number, quantity
 from roughcontact.errors import SettingsError
 from roughcontact.io.instrument_kinds import of_name
+from roughcontact.statistics import load_pairs
 from roughcontact.statistics.kinds import check_sizes, size_of_body
-from roughcontact.statistics.load_pairs import (
-    OF_SLOPE,
-    common_loads,
-    interpolated,
-    same_load,
-    slope_of_gap,
-    widest_step,
-)
 from roughcontact.surface.window.band import is_limited_by_grid
 from roughcontact.uncertainty import combination, random_effects
 from roughcontact.uncertainty.calibration import ALONE, scatter_between_maps
@@ -61,7 +55,7 @@ def needed_for_groups(names: Iterable[str]) -> list[str]:
     alone = (f"_{ALONE}{suffix}" for suffix in ENDS)
     suffixes = (*ENDS, "_map_lower", "_map_upper", *alone, "_components", "_parts")
     needed = {f"{name}{suffix}" for name in ALL for suffix in suffixes}
-    needed |= {"mean_pressure", "contact_modulus", "rms_height", *_OF_HARDNESS, *OF_SLOPE}
+    needed |= {"mean_pressure", "contact_modulus", "rms_height", *_OF_HARDNESS, *load_pairs.OF_SLOPE}
     needed |= {name for facts in KIND_FACTS for name in facts.own_numbers}
     return [name for name in names if name in needed]
 
@@ -158,7 +152,7 @@ def group_statistics(
                 "nothing new; leave one out"
             )
     check_alike(label, names, datasets)
-    loads = common_loads(label, names, datasets)
+    loads = load_pairs.common_loads(label, names, datasets)
     quantities = [name for name in headline_names(datasets[0]) if all(name in data for data in datasets)]
     hardness = {key: float(datasets[0][key]) for key in _OF_HARDNESS if key in datasets[0]}
     hardest = hardness.get("hardness_upper", hardness.get("hardness", np.inf))
@@ -168,11 +162,10 @@ def group_statistics(
     for name in quantities:
         values, components, *alone_components = maps.on_scale(name)
         shared = components.mean(axis=0)
-        numbers = (
-            maps.own_numbers(name)
-            if len(datasets) == 1
-            else maps.numbers(name, values, shared, alone_components)
-        )
+        if len(datasets) == 1:
+            numbers = maps.own_numbers(name)
+        else:
+            numbers = maps.numbers(name, values, shared, alone_components)
         in_units = combination.component_in_units(name, numbers[""], np.moveaxis(shared, 0, -1))
         is_unknown = np.isnan(values)
         of_maps = np.where(is_unknown, maps.at_loads(name), from_scale(name, values))
@@ -246,9 +239,8 @@ class _Maps(NamedTuple):
 
     def at_loads(self, name: str) -> np.ndarray:
         """Return a number (map, load) of all maps."""
-        own_loads = (data["mean_pressure"].values for data in self.datasets)
-        numbers = (data[name].values for data in self.datasets)
-        return np.stack([interpolated(own, self.loads, n) for own, n in zip(own_loads, numbers, strict=True)])
+        series = [(data["mean_pressure"].values, self.loads, data[name].values) for data in self.datasets]
+        return np.stack([load_pairs.interpolated(*of_map) for of_map in series])
 
     def on_scale(self, name: str) -> list[np.ndarray]:
         """Return values (map, load) and components (map, load, source, component) of a quantity on its scale.
@@ -258,14 +250,11 @@ class _Maps(NamedTuple):
         results = []
         for data in self.datasets:
             value, suffixes = to_scale(name, data[name].values), ENDS if f"{name}_{ALONE}" in data else ()
-            columns = [np.where(np.isinf(value), np.nan, value), scaled_components(name, data)]
+            columns = [scaled_components(name, data)]
             columns += [to_scale(name, data[f"{name}_{ALONE}{suffix}"].values) for suffix in suffixes]
-            own_loads = data["mean_pressure"].values
-            slopes = slope_of_gap(data) if name == GAP else None
-            value, components, *alone = (
-                interpolated(own_loads, self.loads, column, slopes if column.ndim == 1 else None)
-                for column in columns
-            )
+            at_loads = partial(load_pairs.interpolated, data["mean_pressure"].values, self.loads)
+            value = at_loads(np.where(np.isinf(value), np.nan, value), load_pairs.slopes_of(name, data))
+            components, *alone = map(at_loads, columns)
             components[:, _WINDOW, :2] = self.possible(name, value, components[:, _WINDOW, :2])
             of_map = value, components[:, _WINDOW, :2].mean(axis=1)
             if alone:
@@ -425,12 +414,12 @@ def _remarks(answer: xr.Dataset, datasets: Sequence[xr.Dataset], members: Member
             f"All maps are of the part {part_names[0]}: the interval says nothing of other parts."
         )
     map_loads = [data["mean_pressure"].values for data in datasets]
-    if any(value.size != loads.size or not same_load(value, loads).all() for value in map_loads):
+    if any(value.size != loads.size or not load_pairs.same_load(value, loads).all() for value in map_loads):
         sentences.append(
             f"The maps were solved at different loads: they are compared from {quantity(loads[0], 'Pa')} to "
             f"{quantity(loads[-1], 'Pa')}, which all of them reach, and interpolated there."
         )
-    if (step := max(widest_step(value, loads) for value in map_loads)) > _FAR_APART:
+    if (step := max(load_pairs.widest_step(value, loads) for value in map_loads)) > _FAR_APART:
         sentences.append(
             f"Some of these lie between loads of a map that are {number(step, digits=2)} times apart, where "
             "area and gap may be off by a fifth, a conductance by half: solve the maps at the same "

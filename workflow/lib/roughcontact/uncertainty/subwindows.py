@@ -18,6 +18,7 @@ import xarray as xr
 
 from roughcontact.arguments import quantities
 from roughcontact.arguments.maps import spacing
+from roughcontact.arguments.rows import rows_beside
 from roughcontact.errors import SettingsError
 from roughcontact.surface.levelling.forms import form_order
 from roughcontact.surface.levelling.polynomial import fit_polynomial
@@ -32,6 +33,7 @@ _POINTS_IN_MEMORY = 2**22  # of a map that is read from its file
 _MIN_SCATTER = 0.02  # of a logarithm, and of a result that is not closed; less is chance
 MEASURAND_IN_WORDS = "the mean of maps of this size all over the surface, in the band of waves of this map"
 _KURTOSIS_LIMIT = 8.0  # above it a few places hold most of the mean square height
+_SENTENCES = {case: sentences for case, *sentences in rows_beside(__file__, "sample.tsv")}
 _LAY_LIMIT = 0.07  # texture aspect ratio below which the subwindows along a lay hold the same ridges
 
 Slices = dict[str, slice]  # rows ("y") and columns ("x") of a map
@@ -172,45 +174,27 @@ def sample_attributes(scatter: Scatter, height: xr.DataArray, *, aspect: float) 
         flag = "The solution of a surface missed the tolerance." if has_failure else ""
         return {"window_reason": scatter.reason, "window_flag": flag}
     ny, nx = height.isel(scatter.slices[0]).shape
-    parts = len(scatter.slices)
-    if parts == 1:
-        reason = f"The window of {nx} × {ny} points is too small to be divided into parts."
-        flag = (
-            f"The map is too small to estimate how well it represents the surface: {nx} × {ny} points cannot "
-            "be divided into parts."
-        )
-        return {"window_reason": reason, **_flagged(flag, "Measure more places, or a larger one.")}
     coverage = sum(math.prod(height.isel(area).shape) for area in scatter.slices) / height.size
-    reason = (
-        f"The ± is for {MEASURAND_IN_WORDS}. {parts} parts of about {nx} × {ny} points, "
-        f"{quantities.percent(coverage)} of the map, were solved separately; their scatter is held against "
-        "that of measured and synthetic surfaces."
-    )
-    reason += f" {scatter.overview}" if scatter.overview else ""
+    kurtosis = height.attrs.get("Sku", 3.0)
+    facts = {
+        "measurand": MEASURAND_IN_WORDS,
+        "points": f"{nx} × {ny} points",
+        "parts": len(scatter.slices),
+        "share": quantities.percent(coverage),
+        "axes": " and ".join(name[-1] for name in scatter.open_ended),
+        "kurtosis": quantities.number(kurtosis),
+    }
+    if len(scatter.slices) == 1:
+        return {"window_reason": _SENTENCES["undivided"][0].format(**facts), **_flagged("small", facts)}
+    reasons = [_SENTENCES["divided"][0].format(**facts), scatter.overview]
     if scatter.open_ended:
-        axes = " and ".join(name[-1] for name in scatter.open_ended)
-        reason += (
-            f" Grooves or valleys lead out of the map along {axes}: their narrowest place has no upper "
-            "limit, as it may be wider elsewhere."
-        )
-    flag, advice, kurtosis = "", "", height.attrs.get("Sku", 3.0)
-    if has_failure:
-        flag = "The solution of a part of the window missed the tolerance."
-    elif kurtosis > _KURTOSIS_LIMIT:
-        flag = (
-            "A few places, deep pits or high peaks, contribute most of the mean square height (Sku = "
-            f"{quantities.number(kurtosis)}): a single map does not tell their number elsewhere."
-        )
-        advice = "Measure more places."
-    elif aspect < _LAY_LIMIT:
-        flag = (
-            f"The surface has a lay, and parts along it contain the same ridges: the {parts} parts are worth "
-            "no more than three independent ones."
-        )
-        advice = "Measure a map that is longer across the lay, or more places."
-    return {"window_reason": reason, **_flagged(flag, advice)}
+        reasons.append(_SENTENCES["grooves"][0].format(**facts))
+    cases = {"failed": has_failure, "pits": kurtosis > _KURTOSIS_LIMIT, "lay": aspect < _LAY_LIMIT}
+    deficiency = next((case for case, holds in cases.items() if holds), "none")
+    return {"window_reason": " ".join(filter(None, reasons)), **_flagged(deficiency, facts)}
 
 
-def _flagged(flag: str, advice: str) -> dict[str, str]:
-    """Return the attributes of a deficiency, and what to do about it."""
+def _flagged(case: str, facts: Mapping[str, Any]) -> dict[str, str]:
+    """Return the attributes of a deficiency, and what to do about it, by its row of the table."""
+    flag, advice = (text.format(**facts) for text in _SENTENCES[case])
     return {"window_flag": f"{flag} {advice}".strip(), "window_advice": advice}

@@ -16,26 +16,26 @@ _NEEDS = [
 
 
 def unmet_needs(
-    settings: Mapping[str, Any], properties: Set[str] = frozenset(), *, within: str = ""
+    settings: Mapping[str, Any], properties: Set[str] = frozenset(), *, section: str = ""
 ) -> Iterator[tuple[str, str]]:
     """Yield the settings, or values of them, that lack what they need, and what is wrong.
 
-    `properties` are those that a body states. Only what is needed `within` a section, by its name, counts.
+    `properties` are those that a body states. Only what a `section` needs, by its name, counts.
 
     Examples
     --------
-    >>> list(unmet_needs({"statistics": {"joint": {"film_thickness": 5e-9}}}, within="statistics.joint"))
+    >>> list(unmet_needs({"statistics": {"joint": {"film_thickness": 5e-9}}}, section="statistics.joint"))
     [('statistics.joint.film_thickness', 'needs film_conductivity, or leave both out')]
     """
-    stated = {*properties}
+    present = {*properties}
     for name, value in named_settings(settings):
-        stated |= {name, f"{name} = {value!r}"} if value is not None else set()
+        present |= {name, f"{name} = {value!r}"} if value is not None else set()
     for key, any_of, text in _NEEDS:
-        if key in stated and not any_of & stated and all(name.startswith(within) for name in any_of):
+        if key in present and not any_of & present and all(name.startswith(section) for name in any_of):
             yield key, text
 
 
 def check_needs(section: str, options: Mapping[str, Any] | None) -> None:
     """Raise SettingsError where an option of a section of the statistics lacks another one of them."""
-    for key, text in unmet_needs({"statistics": {section: options}}, within=f"statistics.{section}"):
+    for key, text in unmet_needs({"statistics": {section: options}}, section=f"statistics.{section}"):
         raise SettingsError(f"{key.removeprefix('statistics.')}: {text}", keys=[key])
