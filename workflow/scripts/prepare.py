@@ -3,44 +3,20 @@
 With a coarser map around it, its overview, also overview.nc.
 """
 
-from collections.abc import Mapping, Sequence
-
 from _job import check_sources, save, say, snakemake, warn
 from _other_maps import part_of_place, with_repeats
+from _overviews import write_overviews
 from _window import write_window
-from xarray import DataArray
 
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
 from roughcontact.results.storage import read_dataset
 from roughcontact.study.tiles import Tile, cut
-from roughcontact.surface.faces.placing import joined_overviews, middle_of, place_in_words
+from roughcontact.surface.faces.placing import middle_of
 from roughcontact.surface.preparation import preparation_of
-from roughcontact.surface.preparation.region import read_overview, read_region
+from roughcontact.surface.preparation.region import read_region
 from roughcontact.surface.profiles.surface import stacked
-
-
-def write_overviews(
-    measured: DataArray, levelled: DataArray, files: Sequence[Mapping], middle: tuple[float, float]
-) -> None:
-    """Read, level and place the overviews of a map (y, x; m): overview.nc.
-
-    Each file has its position, which is of the `middle` (x, y; m) of the map of which this one may be a part.
-    """
-    settings = snakemake.params.settings["overview"]
-    preparation, fields = preparation_of(measured, settings), []
-    for file in files:
-        arguments = dict(file)
-        position = arguments.pop("position", "")
-        try:
-            overview = read_overview(**arguments)
-            fields.append(preparation.overview(levelled, overview, settings["level"], position, middle))
-        except RoughContactError as error:
-            raise type(error)(f"{error} ({snakemake.params.row['origin']})") from error
-        say(f"note: {file['path']}: {place_in_words(fields[-1])}")
-    save(joined_overviews(fields), snakemake.output.overview, settings, source=measured.attrs)
-
 
 settings, row, output = snakemake.params.settings, snakemake.params.row, snakemake.output
 arguments = dict(settings["height"]["surface"])
