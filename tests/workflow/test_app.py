@@ -628,8 +628,10 @@ class TestMap:
                 r"([\d.]+) µm along the line, heights over ([\d.]+) µm", browser.text("#cursor")
             ).groups()
             assert (float(length), float(heights)) == pytest.approx((100, 10), rel=0.02)
-            curve = browser.evaluate("document.querySelector('#curve').getAttribute('points')").split()
-            assert [curve[0], curve[-1]] == ["0,95.0", "319,5.0"]  # percent, downwards
+            # a chart, with units
+            chart = urllib.parse.unquote(browser.evaluate("document.querySelector('#cut').src"))
+            assert re.search(">x \\(µm\\)<.*>height \\(µm\\)<", chart)
+            assert browser.evaluate("document.querySelector('#cut').naturalWidth") > 300
             click(browser, "[name=tool][value=zoom]")
             drag(browser, (0.5, 0.5), (0.75, 0.75))
             box = "document.querySelector('#map').getAttribute('viewBox').split(' ')"
@@ -649,7 +651,7 @@ class TestMap:
             browser.send("Input.dispatchMouseEvent", type="mouseMoved", x=200, y=400)
             saved(browser)
             assert "along the line" in browser.text("#cursor")
-            assert browser.evaluate("Boolean(document.querySelector('#outline[points]') && element('curve'))")
+            assert browser.evaluate("Boolean(document.querySelector('#outline[points]') && element('cut'))")
             picture(browser, "app-map", ".viewer")
             click(browser, "[name=tool][value=mask]")
             drag(browser, (0.6, 0.4), (0.7, 0.6))
@@ -674,6 +676,32 @@ class TestMap:
             masked = "[...document.querySelector('rect.mask').attributes].map(part => part.value).join(' ')"
             browser.wait("document.querySelectorAll('rect.mask').length === 1")
             assert browser.evaluate(masked) == "mask 0.0 -100.0 200.0 100.0"
+
+    def test_a_map_has_a_scale_of_its_colours_and_a_profile_is_a_line(self, tmp_path, browser):
+        study, x = tmp_path / "study", np.arange(200) * 1e-6
+        (study / "measured").mkdir(parents=True)
+        ramp = np.broadcast_to(x * 0.1, (100, 200)).copy()
+        ramp[80:, :20] = np.nan
+        (study / "measured/ramp.sdf").write_bytes(sdf_bytes(ramp, 1e-6))
+        (study / "measured/saw.csv").write_bytes(profile_bytes(x[None] % 50e-6, 1e-6))
+        with served(study) as address:
+            browser.resize(1400)
+            show(browser, address)
+            browser.choose_files("#choose", *(study / "measured").iterdir())
+            rows_read(browser, 2)
+            click(browser, "[aria-label='look at ramp']")
+            browser.wait("document.querySelector('#scale')")
+            # 0 µm to 19.9 µm, of the mean 10.13 µm
+            scale = " ".join(browser.text("#scale").split())
+            assert scale == "−10.1 µm 9.77 µm from the mean not measured"
+            assert browser.evaluate("document.querySelectorAll('#scale rect').length") == 19
+            click(browser, "[aria-label='look at saw']")
+            browser.wait("document.querySelector('#profile')?.naturalWidth > 300")
+            assert not browser.evaluate("document.querySelector('#scale') || document.querySelector('#map')")
+            source = browser.evaluate("document.querySelector('#profile').getAttribute('src')")
+            status, chart = get(address + source)
+            assert (status, ">x (µm)<" in chart, ">height (µm)<" in chart) == (200, True, True)
+            assert browser.problems == []
 
     def test_an_error_under_the_cursor_is_no_markup(self, tmp_path, browser):
         study, file = tmp_path / "study", Path("measured/<b>ramp<b>.sdf")
@@ -1004,7 +1032,7 @@ class TestFilesOfOthers:
         for config in [*shapes()][part::4]:
             (tmp_path / "config/config.yaml").write_text(yaml.safe_dump(config))
             page = Page()
-            page_text = page.first()
+            page_text = page.since()
             # what names a table elsewhere is not saved, but looked at
             answer = page.after({} if config.get("surfaces") == "/dev/zero" else form_fields(page_text))
             assert "please report" not in page_text + answer, config
@@ -1024,14 +1052,14 @@ class TestFilesOfOthers:
     def test_tables_of_any_header(self, header, tmp_path):
         (tmp_path / "config/surfaces.tsv").write_text(f"{header}\none\tone.x3p\tx\n")
         page = Page()
-        page_text = page.first()
+        page_text = page.since()
         answer = page_text + page.after(form_fields(page_text))
         assert re.search("unknown, valid are|occurs twice", answer)
 
     def test_a_file_is_opened_once(self, monkeypatch):
         paths, recognised = [], registry.recognised
         monkeypatch.setattr(registry, "recognised", lambda path: paths.append(path) or recognised(path))
-        assert measurements.inspect({"path": "measured/one.x3p"})["picture"].startswith(b"\x89PNG")
+        assert measurements.inspect({"path": "measured/one.x3p"})["picture"].startswith("data:image/png;")
         assert len(paths) == 1
 
     def test_readers_and_figures_that_raise_anything(self, monkeypatch):
@@ -1057,7 +1085,7 @@ class TestFilesOfOthers:
         for content in ("", "[" * 10**5, json.dumps(SUMMARY | {"verdict": []}), '{"verdict": 1}', "null"):
             path.write_text(content)
             page = Page()
-            for answer in (page.first(), page.after({})):  # all else works
+            for answer in (page.since(), page.after({})):  # all else works
                 assert "results/one/panel.json: no summary of a panel; delete " in answer
                 assert "4 Run" in answer
 
@@ -1712,11 +1740,11 @@ class TestForm:
         (tmp_path / "config/config.yaml").write_text(yaml.safe_dump(config))
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tmeasured/one.x3p\n")
         page = Page()
-        sent = page.after(form_fields(page.first()))
+        sent = page.after(form_fields(page.since()))
         assert "saved in config/config.yaml and config/surfaces.tsv" in sent
         written = (tmp_path / "config/config.yaml").read_text()
         assert resolve(yaml.safe_load(written)) == resolve(config)
-        page.after(form_fields(page.first()))
+        page.after(form_fields(page.since()))
         assert (tmp_path / "config/config.yaml").read_text() == written
 
     @pytest.mark.parametrize("job", JOBS)
@@ -1751,12 +1779,12 @@ class TestForm:
         """Where the table would refuse it."""
         (tmp_path / "measured/line.csv").write_bytes(profile_bytes(np.arange(64.0)[None] * 1e-8, 1e-6))
         page = Page()
-        for path, tools in (("one.x3p", 4), ("line.csv", 2)):
+        for path, tools in (("one.x3p", 4), ("line.csv", 0)):
             page.after({"rows.0.surface": "one", "rows.0.path": f"measured/{path}", "page.look": "0"})
             page.reader.pool.submit(int).result()
             answer = page.html()
             assert answer.count('name="tool"') == tools
-            assert ("rows.0.crop" in form_fields(answer)) == (tools == 4)
+            assert ("rows.0.crop" in form_fields(answer)) == bool(tools)
 
     def test_the_channel_that_is_read_is_named(self, tmp_path, monkeypatch):
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tone.nid\n")
@@ -1764,7 +1792,7 @@ class TestForm:
         inspection = measurements.UNREAD | {"key": "a", "channel": "Topography", "channels": channels}
         monkeypatch.setattr(measurements, "inspect", lambda _: inspection)
         page = Page()
-        page.first()
+        page.since()
         page.reader.pool.shutdown()
         options = re.findall("<option[^>]*>([^<]*)", page.html().partition("rows.0.channel")[2])
         assert options[:3] == ["default: Topography", "Topography forward", "Topography"]
@@ -1787,7 +1815,7 @@ class TestForm:
 
     def test_a_further_field_is_asked_for_by_its_name(self):
         page, further = Page(), "contact.mean_pressure.1"
-        assert further not in form_fields(page.first())
+        assert further not in form_fields(page.since())
         assert further in form_fields(page.after({further: ""}))
 
     @pytest.mark.parametrize("bodies", ["[steel, PEEK]", "[{material: steel}, {layers: [steel, PEEK]}]"])
@@ -1797,7 +1825,7 @@ class TestForm:
         page = Page()
         fields = {"contact.bodies.0.material": "copper", "contact.mean_pressure.0": "6 MPa"}
         fields |= {"contact.bodies.1.hardness": "1 GPa"}
-        assert set(fields) - {"contact.bodies.1.hardness"} <= form_fields(page.first()).keys()
+        assert set(fields) - {"contact.bodies.1.hardness"} <= form_fields(page.since()).keys()
         page.after(fields)
         contact = yaml.safe_load(config.read_text())["contact"]
         assert contact["mean_pressure"] == ["6 MPa"]
@@ -1811,7 +1839,7 @@ class TestForm:
         config = tmp_path / "config/config.yaml"
         config.write_text(f"contact: {values}\n")
         page = Page()
-        page.first()
+        page.since()
         bodies = {f"contact.bodies.{index}.material": "steel" for index in (0, 1)}
         page.after(bodies | {"contact.mean_pressure.0": "6 MPa"})
         expected = {"bodies": [{"material": "steel"}] * 2, "mean_pressure": ["6 MPa"]}
@@ -1832,7 +1860,7 @@ class TestForm:
         """While the page is open both files are edited in a terminal: one field of the page changes there."""
         config, table = tmp_path / "config/config.yaml", tmp_path / "config/surfaces.tsv"
         page = Page()
-        page.first()
+        page.since()
         page.after(STUDY | {"rows.1.surface": "two", "rows.1.path": "measured/two.sdf"})
         page.after({"page.do": "all"})
         news = page.news()
@@ -1900,18 +1928,18 @@ class TestForm:
 
     def test_columns_are_explained_by_columns_not_by_options(self, tmp_path):
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tmeasured/one.x3p\n")
-        page = Page().first()
+        page = Page().since()
         assert "unit of dx and dy, and of the heights without height_unit: m" in page
         assert "--height-unit" not in page
 
     def test_a_file_of_the_page_that_cannot_be_read_is_kept(self, tmp_path):
         page = Page()
-        page.first()
+        page.since()
         page.after(STUDY)
         damaged = (tmp_path / "config/config.yaml").read_text() + "statistics: {"
         (tmp_path / "config/config.yaml").write_text(damaged)
         page = Page()
-        assert "config/config.yaml" in page.first()
+        assert "config/config.yaml" in page.since()
         answer = page.after(STUDY)
         assert "what was there is kept as config/config.yaml.before-page" in answer
         assert (tmp_path / "config/config.yaml.before-page").read_text() == damaged

@@ -1,6 +1,5 @@
 """The measured files of a study: dropped or named, what `inspect` says of them, and their maps."""
 
-import base64
 import os
 import re
 from collections.abc import AsyncIterable, Iterable, Mapping, Sequence
@@ -16,6 +15,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments import maps
 from roughcontact.arguments.quantities import percent, quantity
 from roughcontact.errors import SettingsError
 from roughcontact.interface.app.study import Row, check_within_study, error_in_words
@@ -25,6 +25,7 @@ from roughcontact.io.guards import naming, sha256
 from roughcontact.io.inspection import inspect_heights
 from roughcontact.io.read import read_height_map
 from roughcontact.io.request import FILE_OPTIONS, Request
+from roughcontact.report import map_plots
 from roughcontact.report.colours import coloured
 from roughcontact.study.places import find_file
 
@@ -32,7 +33,7 @@ MEASURED = Path("measured")  # where dropped files go
 OPTIONS = [name.replace("-", "_") for name in FILE_OPTIONS]
 READING = Lock()  # the libraries of netCDF and HDF5 are not for two threads
 UNREAD: dict[str, Any] = dict.fromkeys(("key", "line", "sha256", "picture", "channel", "map"), "")
-UNREAD |= {"channels": [], "warnings": [], "columns": [], "text": "is read ..."}
+UNREAD |= {"channels": [], "warnings": [], "columns": [], "scale": [], "text": "is read ..."}
 # where a terminal states what is missing; the page has a field for it beside the sentence
 _PLACE = re.compile(r" \(table of surfaces or arguments?\)| in the table of surfaces or as (an )?arguments?")
 _THUMBNAIL = 64  # points along a side, at most
@@ -84,8 +85,13 @@ def inspect(row: Row) -> dict[str, Any]:
             result |= content | {"text": inspection(content, path), "line": content["problem"] or ""}
             needed = [*content["needed"]]
             if heights is not None:
-                held, step = content["map"], ceil(max(heights.shape) / _THUMBNAIL)
-                result["picture"] = _picture(heights[::step, ::step])
+                held, heights = content["map"], heights - np.nanmean(heights)
+                if held["ny"] == 1:  # a line on axes
+                    result["picture"] = _curve(heights[0], held["dx"])
+                else:  # a few spikes take no colour of the others
+                    step = ceil(max(heights.shape) / _THUMBNAIL)
+                    result["scale"] = np.nanpercentile(heights, [0.1, 99.9]).tolist()
+                    result["picture"] = _picture(heights[::step, ::step], result["scale"])
                 span = quantity(held["highest"] - held["lowest"], "m")
                 result["line"] = f"{points_in_words(held)}, {field_in_words(held)}, heights over {span}"
                 if held["missing_points"]:
@@ -104,43 +110,49 @@ def _entries(row: Row) -> dict[str, Any]:
     return {column: row[column] for column in OPTIONS if row.get(column)}
 
 
-def _picture(heights: np.ndarray) -> bytes:
-    """Return a picture of heights, rows upwards; a few spikes take no colour of the others."""
-    measured = np.isfinite(heights).any()
-    lowest, highest = np.nanpercentile(heights, [0.1, 99.9]) if measured else (0.0, 1.0)
-    picture, _ = coloured(heights[::-1], (lowest, highest), "viridis", bad="#ff4fa3")
-    return base64.b64decode(picture.partition(",")[2])
+def _picture(heights: np.ndarray, scale: Sequence[float]) -> str:
+    """Return a picture of heights as a data URI, rows upwards; `scale` are those of first and last colour."""
+    picture, _ = coloured(heights[::-1], (scale[0], scale[1]), "viridis", bad="#ff4fa3")
+    return picture
+
+
+def _curve(heights: np.ndarray, step: float) -> str:
+    """Return a chart of heights (m) along a line with even steps (m) as a data URI."""
+    return map_plots.height_map(maps.height_map(heights[None], step)).source()
 
 
 @lru_cache(maxsize=1)  # a cursor reads once
 def _height_map(key: str, path: str, **entries: Any) -> xr.DataArray:
-    """Return the map of a file; `key` changes with it."""
+    """Return the map of a file, from the mean; `key` changes with it."""
     with READING:
-        return read_height_map(path, **entries)
+        height = read_height_map(path, **entries)
+    return height - height.mean()
 
 
-def whole(row: Row) -> bytes:
+def whole(inspection: Mapping[str, Any]) -> str:
     """Return the picture of all points of a map."""
-    return _picture(_height_map(_key(row), row["path"], **_entries(row)).values)
+    row = inspection["row"]
+    return _picture(_height_map(_key(row), row["path"], **_entries(row)).values, inspection["scale"])
 
 
 def cut(row: Row, line: str) -> dict[str, str]:
-    """Return in words what a map holds along a line, and the points of its curve, in percent downwards.
+    """Return in words what a map holds along a line, and a chart of it, heights from the mean of the map.
 
-    `line` has x and y of both ends, µm from the lower left corner, between commas; a point has no curve.
+    `line` has x and y of both ends, µm from the lower left corner, between commas; a point has no chart.
     """
     height = _height_map(_key(row), row["path"], **_entries(row))
     start, end = np.reshape([1e-6 * float(word) for word in line.split(",")], (2, 2))
     x, y = (xr.DataArray(np.linspace(*bounds, _CUT), dims="point") for bounds in zip(start, end, strict=True))
-    along = height.sel(x=x, y=y, method="nearest")
-    lowest, span, length = along.min(), float(along.max() - along.min()), float(np.hypot(*(end - start)))
-    levels = 95 - 90 * (along - lowest) / (span or 1.0)
-    curve = " ".join(f"{n},{level:.1f}" for n, level in enumerate(levels.values) if np.isfinite(level))
-    words, value = f"{quantity(length, 'm')} along the line, heights over ", span
-    if not length:
-        words, curve = f"x {quantity(start[0], 'm')}, y {quantity(start[1], 'm')}: ", ""
-        value = float(lowest - height.mean())
-    return {"words": words + (quantity(value, "m") if np.isfinite(span) else "not measured"), "curve": curve}
+    along = height.sel(x=x, y=y, method="nearest").values
+    length, measured = float(np.hypot(*(end - start))), along[np.isfinite(along)]
+    words = f"x {quantity(start[0], 'm')}, y {quantity(start[1], 'm')}: "
+    if length:
+        words = f"{quantity(length, 'm')} along the line, heights over "
+    if not measured.size:
+        return {"words": f"{words}not measured", "chart": ""}
+    value = np.ptp(measured) if length else measured[0]
+    chart = _curve(along, length / (_CUT - 1)) if length else ""
+    return {"words": words + quantity(float(value), "m"), "chart": chart}
 
 
 def further(paths: Sequence[str], rows: Sequence[Row]) -> tuple[list[Row], str]:

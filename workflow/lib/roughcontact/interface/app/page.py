@@ -8,6 +8,7 @@ from roughcontact.arguments import named_materials, rectangles, units
 from roughcontact.arguments.settings import fields, generated, models, plausible
 from roughcontact.errors import SettingsError
 from roughcontact.interface.app import commands, measurements, study
+from roughcontact.report import colours
 from roughcontact.report.template import template
 from roughcontact.statistics import outcome
 from roughcontact.study.table import columns
@@ -15,7 +16,7 @@ from roughcontact.study.table import columns
 # what the templates read of the settings, the table and the results
 _MODULES = (
     *(commands, fields, generated, measurements, models, named_materials, outcome, plausible, rectangles),
-    *(columns, study, units),
+    *(colours, columns, study, units),
 )
 
 
@@ -29,13 +30,8 @@ class Page:
         self.problem = self.added = self.saved = self.changed = ""  # messages
         self.aside: dict[str, str] = {}  # loads of another question
         self.omitted: list[study.Row] = []  # rows that were left out last
-        self.run, self.reader, self.checked = commands.Run(), measurements.Reader(), study.check()
-        self.revision = 0
-
-    def first(self) -> str:
-        """Return the page of the study folder, as its files are."""
+        self.run, self.reader, self.revision = commands.Run(), measurements.Reader(), 0
         self._read()
-        return self.html()
 
     def _read(self) -> None:
         """Take over what the files of the study folder say."""
@@ -116,7 +112,7 @@ class Page:
             return [*rows, *returned]
         return [row | {study.TICKED: "on"} for row in rows] if action == "all" else rows
 
-    def since(self, news: str) -> str:
+    def since(self, news: str = "") -> str:
         """Return the page, or nothing where it is as it was with such `news`."""
         self._read_again()
         return "" if news == self.news() else self.html()

@@ -6,10 +6,12 @@ import signal
 import socket
 import sys
 import webbrowser
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from secrets import compare_digest, token_urlsafe
 from typing import Any
+from urllib.request import urlopen
 
 import uvicorn
 from starlette.applications import Starlette
@@ -50,16 +52,12 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
     """Return the application of the study in the working directory."""
     one_by_one = asyncio.Lock()
 
-    async def drawn(draw: Callable[..., str], *arguments: Any) -> Response:
+    async def answer(request: Request) -> Response:
+        draw = partial(page.since, request.query_params.get("seen", ""))
+        if request.method == "POST":
+            draw = partial(page.after, await request.json())
         async with one_by_one:
-            return HTMLResponse(await run_in_threadpool(draw, *arguments))
-
-    async def first(request: Request) -> Response:
-        seen = request.query_params.get("seen")
-        return await drawn(page.first) if seen is None else await drawn(page.since, seen)
-
-    async def change(request: Request) -> Response:
-        return await drawn(page.after, await request.json())
+            return HTMLResponse(await run_in_threadpool(draw))
 
     async def drop(request: Request) -> Response:
         return PlainTextResponse(await save_upload(request.query_params.get("name", ""), request.stream()))
@@ -68,8 +66,9 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         inspection, query = page.reader.readings[request.path_params["key"]].result(), request.query_params
         if "line" in query:
             return HTMLResponse(page.filled("cut", **cut(inspection["row"], query["line"])))
-        picture = whole(inspection["row"]) if "whole" in query else inspection["picture"]
-        return Response(picture, media_type="image/png")
+        # of which the type is stated in the picture itself
+        picture = urlopen(whole(inspection) if "whole" in query else inspection["picture"])
+        return Response(picture.read(), media_type=picture.headers["Content-Type"])
 
     async def guard(request: Request, call_next: RequestResponseEndpoint) -> Response:
         _, word, *path = request.url.path.split("/")
@@ -95,8 +94,7 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
 
     results = StaticFiles(directory="results", check_dir=False)
     routes = [
-        Route("/", first),
-        Route("/", change, methods=["POST"]),
+        Route("/", answer, methods=["GET", "POST"]),
         Route("/drop", drop, methods=["POST"]),
         Route("/map/{key}", of_map),
         Route("/export", export),

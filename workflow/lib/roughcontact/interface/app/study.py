@@ -11,6 +11,7 @@ from typing import Any
 import yaml
 
 from roughcontact.arguments.named_materials import named_bodies
+from roughcontact.arguments.rows import rows_beside
 from roughcontact.arguments.settings.fields import field_at, flattened, grouped, is_list, section_model
 from roughcontact.arguments.settings.models import Settings
 from roughcontact.errors import RoughContactError, SettingsError
@@ -26,8 +27,16 @@ from roughcontact.study.yaml_text import check_yaml
 CONFIG = Path("config/config.yaml")
 TICKED = "ticked"  # the cell of a row of the form that is chosen, which is in no file
 FOLDER = Path(__file__).with_name("page")
-# the questions: each with its fields beside the materials of both bodies, by sections of the settings
-JOBS: dict[str, Any] = yaml.safe_load((FOLDER / "jobs.yaml").read_text(encoding="utf-8"))
+_MATERIALS = ["contact.bodies.0.material", "contact.bodies.1.material"]
+JOBS: dict[str, Any] = {
+    key: {
+        "question": question,
+        "settings": [*_MATERIALS, *settings.split()],
+        "columns": columns.split(),
+        "made": dict(setting.split("=") for setting in made.split()),
+    }
+    for key, question, columns, made, settings in rows_beside(__file__, "jobs.tsv")
+}
 # loads and forms, of which a study has one kind: those of another question are set aside
 _LOADS = ("contact.mean_pressure", "contact.force", "contact.boundary", "form.radius")
 _TABLE = Settings.model_fields["surfaces"].default
@@ -50,9 +59,7 @@ yaml.SafeDumper.add_representer(
 
 def names_of(job: str) -> list[str]:
     """Return the settings of a question by dotted names, first the materials; none without a question."""
-    settings = JOBS.get(job, {"settings": {}})["settings"]
-    materials = ["contact.bodies.0.material", "contact.bodies.1.material"] if settings else []
-    return materials + [f"{section}.{key}" for section, keys in settings.items() for key in keys]
+    return JOBS[job]["settings"] if job in JOBS else []
 
 
 def texts_for(job: str, texts: Mapping[str, str], aside: dict[str, str]) -> dict[str, str]:
@@ -60,7 +67,7 @@ def texts_for(job: str, texts: Mapping[str, str], aside: dict[str, str]) -> dict
     aside |= {name: text for name, text in texts.items() if text and name.startswith(_LOADS)}
     of_job = [name for name in aside if name.startswith(tuple(names_of(job)))]
     remaining_texts = {name: text for name, text in texts.items() if not name.startswith(_LOADS)}
-    return remaining_texts | {name: aside.pop(name) for name in of_job} | JOBS[job].get("made", {})
+    return remaining_texts | {name: aside.pop(name) for name in of_job} | JOBS[job]["made"]
 
 
 def read_folder() -> tuple[dict[str, str], list[Row], str]:
