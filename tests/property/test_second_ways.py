@@ -38,17 +38,7 @@ def evaluated(contact, height=None, *, sources=(), window=None, **sections):
         )
 
 
-@pytest.mark.parametrize(
-    ("loads", "form"),
-    [
-        ({"mean_pressure": [1e6, 4e6]}, {}),
-        ({"relative_pressure": [0.02]}, {}),
-        ({"target_gap": [2e-7]}, {}),
-        ({"force": [0.5], "area": 1e-6}, {}),
-        ({"force": [1e-4, 3e-4], "boundary": "free"}, {"radius": [2e-3, 3e-3]}),
-        ({"force": [0.01, 0.03]}, {"radius": [5e-3, 7e-3], "local_scale": True}),
-    ],
-)
+@pytest.mark.cases
 def test_what_has_crept_is_the_contact_of_the_creep_modulus_under_the_same_load(loads, form):
     creeping = BODY | {"creep_modulus": {"3600": 8e8}}
     result = evaluated({"bodies": [creeping, BODY]} | loads, form=form, sources=["solver"])

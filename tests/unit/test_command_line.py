@@ -293,47 +293,7 @@ def test_a_profile_is_solved(capsys):
     assert "profile of" in out
 
 
-@pytest.mark.parametrize(
-    ("line", "words"),
-    [
-        ("", "the following arguments are required"),
-        ("solve", "FILE"),
-        ("solve {P}", "give --contact-modulus"),
-        ("solve nowhere.x3p --contact-modulus 1e9", "nowhere.x3p: no such file"),
-        ("solve {P} --contact-modulus soft", "--contact-modulus = 'soft': "),
-        ("{E} --level-form plan", "did you mean plane?"),
-        ("{E} --window-method hann", "--window-method = 'hann'"),
-        ("solve {P} --body 1e9 0.3", "--body is given once; give it twice"),
-        ("{E} --colour red", "unrecognized arguments: --colour red; see roughcontact solve --help"),
-        (
-            "init {P} --before {G} --counter-face {G}",
-            "--before, --counter-face: only single maps are compared",
-        ),
-        ("{E} --pressure=5MPa", "--pressure=5MPa; the nearest option is --mean-pressure; see roughcontact"),
-        (
-            "solve {P} --contact-modulus 4.67 Gpascal",
-            "unrecognized arguments: Gpascal; write a number and its unit as one word: 5GPa; see",
-        ),
-        ("{E} --mean-pressure 0", "--mean-pressure"),
-        ("{E} --dx 1", "is given without a unit"),
-        ("{E} --body 1e9 0.3 --body 1e9 0.3", "argument --body: not allowed with argument --contact-modulus"),
-        (
-            "{E} --mean-pressure 1e6 --relative-pressure 1",
-            "argument --relative-pressure: not allowed with argument --mean-pressure",
-        ),
-        (
-            "{E} --level-s-filter 2mm --level-l-filter '1 mm'",
-            "--level-s-filter = 0.002 m is not below --level-l-filter = 0.001 m",
-        ),
-        ("{E} --mean-pressure 3e6 --hardness 2e6", "--mean-pressure = 3e+06 Pa "),
-        ("solve {P} --contact-modulus 115", "--contact-modulus = '115': 115 Pa "),
-        ("solve {P} --contact-modulus 115GPa --mean-pressure 5MPa 1", "--mean-pressure[1] = '1': 1.00 Pa "),
-        ("solve {P} --body 210 0.3 --body 210 0.3", "--body[0].youngs_modulus = '210': 210 Pa "),
-        ("solve {P} --body 210GPa --body 210GPa", "--body 210GPa: has 1 values; give the name of a material"),
-        ("inspect {G} --dx one", "dx = 'one' is not a number; give a positive number in m"),
-        ("inspect {G} --dx 1parsec", "dx = '1parsec': unknown length unit 'parsec'"),
-    ],
-)
+@pytest.mark.cases
 def test_bad_input_ends_with_code_2_and_one_sentence(capsys, line, words):
     line = line.replace("{E}", "solve {P} --contact-modulus 1e9")
     code, out, err = said(capsys, *(word.format(P=PERIODIC, G=GROUND) for word in shlex.split(line)))

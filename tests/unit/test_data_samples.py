@@ -60,18 +60,7 @@ def test_files_are_small(samples):
     assert all(len(data) < 1_000_000 for data in samples.values())
 
 
-@pytest.mark.parametrize(
-    ("name", "maker", "pitch"),
-    [
-        ("sandblasted.x3p", "sandblasted", (1e-6, 1e-6)),
-        ("turned.sdf", "turned", (2e-6, 2e-6)),
-        ("ground.txt", "ground", (2e-6, 1e-6)),
-        ("stylus-profile.csv", "stylus_profile", (0.5e-6, 0.5e-6)),
-        ("lapped-50x.txt", "lapped_fine", (1e-6, 1e-6)),
-        ("lapped-10x.txt", "lapped_overview", (4e-6, 4e-6)),
-        ("periodic.nc", "periodic", (100e-6 / 128, 100e-6 / 128)),
-    ],
-)
+@pytest.mark.cases
 def test_reader_gives_back_the_heights(name, maker, pitch):
     height = rc.read_height_map(FOLDER / name)
     expected = getattr(load_script(), maker)()

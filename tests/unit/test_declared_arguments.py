@@ -63,22 +63,7 @@ def test_no_number_or_switch_passes_as_another_kind(calls, wrong):
     assert tried >= 25
 
 
-@pytest.mark.parametrize(
-    ("function", "wrong"),
-    [
-        ("run_in", {"tolerance": 0}),  # steps without an end
-        ("run_in", {"tolerance": -1.0}),
-        ("run_in", {"mean_pressure": [1e6, 2e6]}),
-        ("sliding_friction", {"mean_pressure": [1e6, 2e6]}),
-        ("contact_statistics", {"work_of_adhesion": -1.0}),
-        ("compare_groups", {"relevant": -1.0}),
-        ("compare_statistics", {"share": -0.1}),
-        ("self_affine_surface", {"hurst": -1.0}),
-        ("self_affine_surface", {"longest": 0}),
-        ("self_affine_surface", {"rms_height": -1.0}),
-        ("self_affine_surface", {"stretch": 0}),
-    ],
-)
+@pytest.mark.cases
 def test_a_number_without_meaning_is_refused(calls, function, wrong):
     (positional, options), (name, _) = calls[function], *wrong.items()
     with pytest.raises(SettingsError, match=f"^{name} = .*(give|must be)"):

@@ -114,19 +114,7 @@ def test_how_a_counter_face_lies_on_the_face():
     )
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "unit", "number_text"),
-    [
-        # what over the 60 µm of the map makes less than 1e-4 of its rms height, 0.156 µm, is nothing
-        ("slope_x", 3e-7, "1", "3.00×10⁻⁷"),
-        ("slope_x", 2e-7, "1", "0"),
-        ("curvature_xx", 5e-3, "m-1", "0.00500 m⁻¹"),
-        ("curvature_xx", 4e-3, "m-1", "0 m⁻¹"),
-        ("mean", 1e-12, "m", "0 m"),
-        ("radius", 2.5e-3, "m", "2.50 mm"),
-        ("axis_angle", -30.0, "degree", "−30.00°"),
-    ],
-)
+@pytest.mark.cases
 def test_the_form_that_was_taken_off(name, value, unit, number_text):
     removed = facts(levelled={"form": "some", "form_removed": json.dumps({name: known(value, unit)})})
     assert removed["Removed form"] == f"some: {name.replace('_', ' ')} {number_text}"

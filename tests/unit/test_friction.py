@@ -60,19 +60,7 @@ def test_the_interval_of_friction_is_that_of_the_area():
         np.testing.assert_allclose(statistics[f"friction_coefficient{suffix}"].values, expected.values)
 
 
-@pytest.mark.parametrize(
-    ("friction", "text"),
-    [
-        ({"coefficient": 0}, "coefficient = 0"),
-        ({"coefficient": -0.1}, "coefficient = -0.1"),
-        ({"coefficient": 20, "speed": 1.0}, "coefficient = 20: must not be greater than 5"),
-        ({"coefficient": 0.2, "tangential_load": 1.1}, "1 is full slip"),
-        ({"tangential_load": 0.5}, "needs the coefficient"),
-        ({"coefficient": 0.2}, "add tangential_load, shear_strength or speed"),
-        ({"speed": 1.0}, "coefficient or shear_strength"),
-        ({"shear_strength": 1e6, "thermal_diffusivity": 1e-5}, "thermal_diffusivity: is of sliding"),
-    ],
-)
+@pytest.mark.cases
 def test_impossible_friction_is_refused(friction, text):
     with pytest.raises(rc.SettingsError, match=text):
         statistics_with(friction)

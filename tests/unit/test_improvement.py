@@ -96,17 +96,7 @@ def statistics(widths, reasons=(), *, name="relative_contact_area", **attrs):
     )
 
 
-@pytest.mark.parametrize(
-    ("widths", "reasons", "words"),
-    [
-        ({"window": 0.3, "solver": 0.01}, (), "more place"),
-        ({"discretisation": 0.3, "window": 0.02}, (), "pixels half as large"),
-        ({"unresolved": 0.3, "window": 0.02}, (), "this map then being its overview"),
-        ({"unresolved": 0.3, "window": 0.02}, ("Smoothed",), "state the numerical aperture of the lens"),
-        ({"material": 0.3, "window": 0.02}, (), "contact modulus"),
-        ({"instrument": 0.3, "window": 0.02}, (), "export the heights in finer steps"),
-    ],
-)
+@pytest.mark.cases
 def test_the_largest_source_decides_what_halves_the_interval(widths, reasons, words):
     line = improvement.halving_line(statistics(widths, reasons))
     assert words in line

@@ -120,19 +120,7 @@ def nanoscope(data, *, lines, image, scan="10000 nm", aspect="1:1", planned=8, v
     return header.ljust(2048, b"\0") + data.astype("<i2").tobytes()
 
 
-@pytest.mark.parametrize(
-    ("statements", "length"),
-    [
-        ({"lines": 6, "image": "10 10 ~m", "planned": 6}, 10.0),  # a whole scan with long pixels
-        ({"lines": 6, "image": "10 5 ~m", "planned": 6, "aspect": "2:1"}, 5.0),
-        ({"lines": 6, "image": "10 10 ~m", "planned": 6, "aspect": "2:1"}, 5.0),
-        ({"lines": 6, "image": "10 10 ~m"}, 7.5),  # stopped after six of eight lines
-        ({"lines": 6, "image": "10 5 ~m", "aspect": "2:1"}, 3.75),
-        ({"lines": 8, "image": "10 10 ~m", "planned": 3, "aspect": "16:1"}, 7.5),  # lines by the data alone
-        ({"lines": 3, "image": "10 10 ~m", "planned": 3, "valid": False}, 7.5),
-        ({"lines": 6, "image": "10 10 ~m", "slow": ["Slow Axis Size: 10000 nm"]}, 7.5),
-    ],
-)
+@pytest.mark.cases
 def test_lines_and_length_of_nanoscope(read, statements, length):
     height = read(nanoscope(COUNTS, **statements))
     holds(height, 1e-12 * COUNTS, 1.25e-6, 1e-6 * length / 6, rtol=1e-12)

@@ -242,19 +242,7 @@ def test_what_only_looks_like_a_serial_number_or_a_date(name):
     assert "DS-781758056" not in instrument.values()
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("frt-1.frt", "4 points lie far below all others"),  # and no more: those at 0 are missing
-        ("plu-1.plu", None),  # its step of 3.91 nm is judged with the statistics
-        ("ISO5436-sample1.x3p", "more than the field"),
-        ("test_1.opd", "pixels are not square"),
-        ("example_ps.tiff", None),
-        ("metropro-1.dat", None),  # its two spikes are found when it is levelled
-        ("tmd-1.tmd", None),
-        ("nms-1.nms", None),
-    ],
-)
+@pytest.mark.cases
 def test_suspicions(name, words):
     notes = warnings_of(read_height_map(DATA / name))
     assert words in notes if words else notes == ""

@@ -45,18 +45,7 @@ def test_headings_of_a_spreadsheet_in_each_encoding(read, encoding, headings):
     assert_trace(read(text.replace("\n", "\r\n"), encoding=encoding))
 
 
-@pytest.mark.parametrize(
-    ("encoding", "words"),
-    [
-        ("cp1252", "XY Calibration;Horizontal;Vertical;Unit;Height;Light intensity"),
-        ("cp1252", "XY-Justierung;Horizont.;Vertikal;Einheit;Höhe;Lichtintensität"),
-        ("cp1252", "Calibrage XY;Horizontal;Vertical;Unité;Hauteur;Intensité lumineuse"),
-        ("cp1252", "Calibration XY;Horizontal;Vertical;Unité;Hauteur;Intensité lumineuse"),
-        ("cp932", "XYキャリブレーション;横;縦;単位;高さ;光量"),
-        ("gbk", "XY校准;水平;垂直;单位;高度;光强"),
-        ("cp949", "XY캘리브레이션;가로;세로;단위;높이;광량"),
-    ],
-)
+@pytest.mark.cases
 @pytest.mark.parametrize("has_second", [False, True])
 def test_optical_profilers_in_six_languages(read, encoding, words, has_second):
     """Pixel, numbers of points and unit above a titled table, perhaps with a second one below."""
@@ -305,36 +294,12 @@ def matrix(rows, columns, width, height):
     return header + cells(heights, form="{:.4f}")
 
 
-@pytest.mark.parametrize(
-    ("rows", "columns", "width", "height"),
-    [
-        (159, 160, "10.00", "10.00"),
-        (159, 160, "10", "10"),
-        (255, 256, "10.00", "10.00"),
-        (79, 160, "10.00", "10.00"),  # every second line
-        (119, 60, "5.00", "10.00"),
-        (12, 20, "20", "20"),
-        (100, 160, "10.00", "10.00"),
-    ],
-)
+@pytest.mark.cases
 def test_a_matrix_of_lost_lines_is_refused(refused, rows, columns, width, height):
     refused(matrix(rows, columns, width, height), "give dx, dy and unit")
 
 
-@pytest.mark.parametrize(
-    ("rows", "columns", "width", "height"),
-    [
-        (160, 160, "10.00", "10.00"),
-        (3, 4, "10", "10"),  # pixels of 2.5 µm × 3.3 µm
-        (20, 30, "10", "10"),
-        (30, 40, "10", "10"),
-        (30, 20, "10", "10"),
-        (30, 20, "10", "17.3"),
-        (80, 160, "10.00", "10.00"),
-        (300, 100, "9.9", "29.9"),  # sizes from the first point to the last one
-        (305, 75, "10.0", "40.7"),  # rounded sizes
-    ],
-)
+@pytest.mark.cases
 def test_pixels_of_any_shape_are_read(read, rows, columns, width, height):
     height_map = read(matrix(rows, columns, width, height))
     assert height_map.shape == (rows, columns)
@@ -413,17 +378,7 @@ def test_lines_that_repeat_others_are_compared_once(read, monkeypatch):
 
 
 @pytest.mark.shared_data
-@pytest.mark.parametrize(
-    ("name", "shape", "step"),
-    [
-        ("dektak-1.csv", (1, 9600), 1.5e-3 / 9600),
-        ("gwyddion-export-english.txt", (4, 3), 12.34e-6 / 3),
-        ("gwyddion-export-german.txt", (4, 3), 12.34e-6 / 3),
-        ("csv-2.csv", (1, 8), 1e-6 / 12),
-        ("csv-3.csv", (1, 8), 1e-6 / 12),
-        ("matrix-6.txt", (3, 4), 2.5e-6),
-    ],
-)
+@pytest.mark.cases
 def test_real_exports(name, shape, step):
     height = read_height_map(MORE / name)
     assert height.shape == shape

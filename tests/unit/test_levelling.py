@@ -222,17 +222,7 @@ def test_maps_that_cannot_be_levelled():
     assert level(height_map(values, 1e-6), max_missing=0.5).attrs["filled_points"] == 0
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"form": "plain"}, "form = 'plain': did you mean 'plane'"),
-        ({"fill": "harmonics"}, "fill = 'harmonics': did you mean 'harmonic'"),
-        ({"form": "polynomial", "order": 0}, "level.order = 0"),
-        ({"form": "polynomial", "order": 1.5}, "order = 1.5: give a whole number"),
-        ({"outlier_threshold": -1}, "level.outlier_threshold = -1"),
-        ({"max_missing": 1.5}, "level.max_missing = 1.5"),
-    ],
-)
+@pytest.mark.cases
 def test_options_without_meaning(options, message):
     with pytest.raises(SettingsError, match=message):
         level(rough(), **options)

@@ -251,19 +251,7 @@ def test_solids_end_where_books_have_them_melt(name, melting):
     assert limits["lowest"] <= -273
 
 
-@pytest.mark.parametrize(
-    ("bodies", "numbers", "words"),
-    [
-        (["PTFE", "steel"], {"max_flash_temperature": 306.0}, ""),
-        (["PTFE", "steel"], {"max_flash_temperature": 308.0}, "takes PTFE from room temperature beyond 327"),
-        (["tin", "copper"], {"temperature_drop": 213.0}, "takes tin from room temperature beyond 232 °C"),
-        (["mine", "glass"], {"max_flash_temperature": 3000.0}, ""),
-        (["NBR 60 Shore A"], {"relaxation": 150.0}, ""),
-        (["NBR 60 Shore A"], {"relaxation": 423.0}, ""),  # K
-        (["NBR 60 Shore A"], {"relaxation": 151.0}, "NBR 60 Shore A is stated at 151, in °C and in K beyond"),
-        (["NBR 60 Shore A"], {"relaxation": 424.0}, "-50 to 150 °C: check relaxation.temperature"),
-    ],
-)
+@pytest.mark.cases
 def test_temperatures_beyond_the_range_of_a_material_are_a_sentence(bodies, numbers, words):
     stated = {"relaxation": {"temperature": numbers.get("relaxation")}}
     named = [{"name": name, **stated} for name in bodies]

@@ -39,20 +39,7 @@ def test_parts_of_one_map_are_of_one_workpiece_among_other_maps_of_the_group(rea
     ]
 
 
-@pytest.mark.parametrize(
-    ("rows", "words"),
-    [
-        (("a\ta.txt\t2by2\t\t",), "line 2, parts = '2by2': must be two numbers with an x between them"),
-        (("a\ta.txt\t1x1\t\t",), "line 2, parts = '1x1': must be"),
-        (("a\ta.txt\t0x4\t\t",), "line 2, parts = '0x4': must be"),
-        (("a\ta.txt\t30x30\t\t",), "of 2 to 400 parts"),
-        (("a\ta.txt\t2x2\t\t", "A-2-1\tb.txt\t\t\t"), "line 3, surface = A-2-1: a needs this name for one"),
-        (
-            ("a\ta.txt\t2x2\t\t", "b\tb.txt\t\ta\t", "c\tc.txt\t\ta\t"),
-            "line 3, group = a: the parts of a (parts = 2x2) are a group of this name; rename one",
-        ),
-    ],
-)
+@pytest.mark.cases
 def test_rows_that_cannot_be_cut(read, rows, words):
     with pytest.raises(rc.SettingsError) as caught:
         read(*rows)

@@ -23,27 +23,7 @@ def statistics():
     return rc.evaluate(rough_reference_surface(64), contact=contact)
 
 
-@pytest.mark.parametrize(
-    ("lower", "upper", "words"),
-    [
-        (0.7001, 1.29, "to ± 30 %"),
-        (0.6999, 1.2, "to a factor 1.5"),
-        (0.99, 1.31, "to a factor 1.4"),
-        (0.5, 1.2, "to a factor 2.0"),
-        (0.8499, 1.0, "to ± 20 %"),
-        (0.85, 1.0, "to ± 15 %"),
-        (0.999, 1.0, "to ± 10 %"),
-        (1 / 3, 2.9, "to a factor 3.0"),
-        (0.33, 1.0, "order of magnitude"),
-        (0.1, 10.0, "order of magnitude"),
-        (0.099, 2.0, "not by this map"),
-        (0.5, np.nan, "not by this map"),
-        (0.5, np.inf, "not by this map"),
-        (0.0, np.nan, "not by this map"),
-        (np.nan, np.nan, ""),
-        (1.0, 1.0, "to ± 10 %"),
-    ],
-)
+@pytest.mark.cases
 def test_words_follow_the_ends_of_the_interval(lower, upper, words):
     assert precision_in_words(1.0, lower, upper) == words
 

@@ -78,20 +78,7 @@ def test_rectangles_that_do_not_fit_the_map(texts, message, rough):
     assert message in str(raised.value)
 
 
-@pytest.mark.parametrize(
-    ("cell", "message"),
-    [
-        ("1,5 0 10 10 um", "crop = '1,5 0 10 10 um': write a decimal point, not a comma, and blanks between"),
-        (
-            "0 0 10 um",
-            "crop = '0 0 10 um': must be x and y of two corners from the lower left one of the map",
-        ),
-        ("0 0 10 10", "must be x and y of two corners"),
-        ("0 0 10 10 MPa", "'MPa' is no known unit of m"),
-        ("5 0 5 10 um", "a rectangle without an area; its two corners lie opposite each other"),
-        ("0 0 1 1 um; 2 2 3 3 um", "has 2 rectangles; a map is cropped to one"),
-    ],
-)
+@pytest.mark.cases
 def test_cells_that_are_no_rectangles(cell, message, tmp_path):
     with pytest.raises(SettingsError) as raised:
         parse_rectangles("crop", cell)

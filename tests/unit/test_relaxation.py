@@ -68,21 +68,7 @@ def test_headings_state_units(tmp_path, separator):
     np.testing.assert_allclose(read, expected)
 
 
-@pytest.mark.parametrize(
-    ("headings", "form"),
-    [
-        ("f (kHz),E' (MPa),E'' (MPa)", {}),
-        ("Frequenz (kHz);Speichermodul (MPa);Verlustmodul (MPa)", {"sep": ";", "decimal": ","}),
-        ("f / kHz\tE' / MPa\tE'' / MPa", {"sep": "\t", "decimal": ","}),
-        ("frequency in kHz   storage modulus in MPa   loss modulus in MPa", {"gap": "   "}),
-        ("f,E',E''\nkHz,MPa,MPa", {}),
-        ("""f (kHz),E' (MPa),E" (MPa)""", {}),
-        ("f,E',E''\n[kHz],[MPa],[MPa]", {}),
-        ("f (kHz),omega (rad/s),E' (MPa),E'' (MPa)", {"omega": 2e3 * np.pi}),
-        ("Sample: EPDM; 2 mm, new\nSweep of frequency\n\nf;E';E''\nkHz;MPa;MPa", {"sep": ";"}),
-        ("# EPDM, 2 % strain\nT (°C),f (kHz),E' (MPa),E'' (MPa)", {"first": 20.4}),
-    ],
-)
+@pytest.mark.cases
 def test_tables_as_instruments_write_them(tmp_path, headings, form):
     """Each has the same three rows: decimals with commas, wide gaps, units in a row of their own, Latin-1."""
     expected = table(np.array([1.5, 10.0, 100.0]))

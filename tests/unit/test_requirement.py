@@ -178,21 +178,7 @@ def test_close_loads_have_the_ends_of_their_own():
         assert float(scaled[f"mean_gap{opposite}"][0]) == pytest.approx(limit, abs=width / 20)
 
 
-@pytest.mark.parametrize(
-    ("requirement", "message"),
-    [
-        (
-            {"lengths": 2.0},
-            r"requirement.lengths: no factor on the lengths is offered: .* the S- and the L-f",
-        ),
-        ({"Sal": "<= 5 um"}, r"requirement.Sal: no factor on the lengths is offered"),
-        ({"gap": ">= 1 um"}, r"requirement.gap = '>= 1 um': is a limit of the other side; write <= 1 um"),
-        ({"contact_area": "<= 0.2"}, r"requirement.contact_area = '<= 0.2': is a limit of the other side"),
-        ({"gap": "<= 1 MPa"}, r"requirement.gap = .*unknown length unit 'MPa'"),
-        ({"leak": "<= 1 ml/h"}, "requirement.leak: needs the perimeter of the seal"),
-        ({"contact_resistance": "10 uOhm mm2"}, "requirement.contact_resistance: needs the electrical"),
-    ],
-)
+@pytest.mark.cases
 def test_a_requirement_that_says_nothing_is_refused(requirement, message):
     with pytest.raises(SettingsError, match=message):
         evaluated(rough(0), requirement=requirement)

@@ -149,17 +149,7 @@ def test_init_takes_resistivity_layers_and_a_film(folder):
     assert settings["statistics"]["joint"]["film_thickness"] == 5e-9
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (("--body", "gold", "hardness=1GPa", "hardness=2GPa"), "hardness=2GPa: give material, then KEY"),
-        (("--body", "gold", "layer=2um,79GPa,0.42,3GPa"), "--body layer 2um 79GPa 0.42 3GPa: give th"),
-        (("--body", "gold", "layer=2um"), "layers[0].youngs_modulus: missing"),
-        (("--body", "gold", "hardness="), "--body gold hardness=: give "),
-        (("--body", "gold", "--seal", "width"), "--seal width: give KEY=VALUE, each key once"),
-        (("--body", "gold", "--seal", "width=3mm"), "statistics.seal.viscosity: missing"),
-    ],
-)
+@pytest.mark.cases
 def test_init_refuses_properties_that_are_unclear(folder, capsys, options, message):
     assert main(["init", "--body", "gold", *options]) == 2
     assert message in capsys.readouterr().err
@@ -422,19 +412,7 @@ def test_a_dry_run_has_a_line_for_each_surface_or_lists_the_jobs_with_their_file
     assert set(left) <= {"latest.pkl"}, "Snakemake's own"
 
 
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        (b"a: [1,\n b: }\n", "settings.yaml, line 2: is not valid YAML"),
-        (b"contact:\n\tmean_pressure: 1\n", "settings.yaml, line 2: is not valid YAML"),
-        (b"contact: \xff\xfe\n", "settings.yaml: is not UTF-8 text"),
-        (b"a: " + b"[" * 20_000, "settings.yaml: is nested too deeply"),
-        (b"- 1\n- 2\n", "settings.yaml: has no keys at its top level"),
-        (b"# nothing\n", "settings.yaml: is empty"),
-        (b"level: {order: 2}\ncontact: {}\nlevel: {fill: none}\n", "line 1: level occurs twice in the same"),
-        (b"cases:\n  soft: {}\n  soft: {}\n", "line 2: soft occurs twice"),
-    ],
-)
+@pytest.mark.cases
 def test_a_configuration_that_cannot_be_read_is_named(folder, capsys, content, message):
     (folder / "settings.yaml").write_bytes(content)
     assert main(["run", "--configfile", "settings.yaml"]) == 2

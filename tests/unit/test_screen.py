@@ -185,26 +185,7 @@ def test_a_failure_is_shown_once_for_each_try(tmp_path):
     assert [line for line in run.lines if "ERROR" in line] == 2 * ["[panel ground] ERROR: no points"]
 
 
-@pytest.mark.parametrize(
-    ("how", "said"),
-    [
-        ("died with <Signals.SIGKILL: 9>.", "killed; probably out of memory: it had asked for 900 MB. Free"),
-        (
-            "returned non-zero exit status 137.",
-            "killed; probably out of memory: it had asked for 900 MB. Free",
-        ),
-        ("died with <Signals.SIGTERM: 15>.", "was ended from outside (SIGTERM); run again to go on"),
-        (
-            "died with <Signals.SIGSEGV: 11>.",
-            "ended without a word (SIGSEGV); run again, and where it comes back",
-        ),
-        (
-            "returned non-zero exit status 3.",
-            "ended without a word (status 3); run again, and where it comes",
-        ),
-        ("returned non-zero exit status 1.", ""),
-    ],
-)
+@pytest.mark.cases
 def test_a_job_that_was_ended_is_explained_on_the_screen_and_in_its_record(tmp_path, how, said):
     log, half = tmp_path / "panel.log", tmp_path / ".panel.nc.partial"
     write_record(log, done=False)

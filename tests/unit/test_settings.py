@@ -283,23 +283,7 @@ def test_schema_is_json_and_knows_every_key():
     assert schema["$defs"]["Contact"]["additionalProperties"] is False
 
 
-@pytest.mark.parametrize(
-    ("section", "key", "good", "bad"),
-    [
-        ("level", "order", 2, 0),
-        ("level", "outlier_threshold", 4.0, 0),
-        ("instrument", "numerical_aperture", 1.6, 1.7),
-        ("contact", "mean_pressure_uncertainty", 0.0, 1.0),
-        ("contact", "hardness", ["1 GPa", 2e9], ["1 GPa"]),
-        ("contact", "hardness_uncertainty", [0.2, 1.5], [0.1, 0.2, 0.3]),
-        ("contact", "target_area", 0.1, 1.0),
-        ("contact", "target_area", [0.1, 0.2], [1.0]),
-        ("contact", "target", "percolation", "yield"),
-        ("contact", "target_gap", "0.2 um", -1),
-        ("contact", "unload", True, {}),
-        ("form", "radius", ["5 mm", 0.1], ["5 mm"] * 3),
-    ],
-)
+@pytest.mark.cases
 def test_an_editor_and_the_program_agree_on_what_is_admitted(section, key, good, bad):
     jsonschema = pytest.importorskip("jsonschema")
     validator = jsonschema.Draft202012Validator(json.loads(json_schema()))
@@ -313,20 +297,7 @@ def test_an_editor_and_the_program_agree_on_what_is_admitted(section, key, good,
             assert admitted
 
 
-@pytest.mark.parametrize(
-    ("name", "line"),
-    [
-        ("a_b", "cases.a_b: a name has letters, digits and hyphens only (it becomes a folder)"),
-        ("a\n", "cases.a\n: a name has letters, digits and hyphens only (it becomes a folder)"),
-        ("", "cases.: a name has letters, digits and hyphens only (it becomes a folder)"),
-        ("c" * 65, f"cases.{'c' * 65}: a name has at most 64 characters, this one has 65; shorten it"),
-        (
-            "ab" * 20,
-            f"cases.{'ab' * 20}: the name ends with ab 19 times or more; Snakemake refuses it, change it",
-        ),
-        (7, "cases.7: a name is text, put it in quotes"),
-    ],
-)
+@pytest.mark.cases
 def test_names_of_cases_are_names_of_folders(name, line):
     with pytest.raises(SettingsError) as caught:
         resolve({"contact": {"contact_modulus": 1e9}, "cases": {name: {}}})

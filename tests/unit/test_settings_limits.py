@@ -310,19 +310,7 @@ def test_every_count_and_every_list_has_an_upper_limit():
     assert counted >= 15
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "meant"),
-    [
-        ("contact.bodies.yield_stress", 400, "400 MPa"),
-        ("contact.bodies.layers.thickness", 2, "2.00 µm"),
-        ("contact.target_gap", [0.2], "200 nm"),
-        ("statistics.work_of_adhesion", 50, "0.0500 J/m²"),
-        ("instrument.noise", 2, "2.00 nm"),
-        ("instrument.tip_radius", "2", "2.00 µm"),
-        ("instrument.wavelength", 520, "520 nm"),
-        ("statistics.seal.pressure_difference", 1, "1.00 MPa"),
-    ],
-)
+@pytest.mark.cases
 def test_a_slip_of_unit_is_asked_for_with_what_was_meant(key, value, meant):
     line, keys = said(configured(key, value))
     number = value[0] if isinstance(value, list) else value

@@ -238,17 +238,7 @@ def test_the_offset_where_no_point_is_free():
     assert contact_mean(pressure, separation, cap=3.0) == -2.0
 
 
-@pytest.mark.parametrize(
-    ("pressure", "load", "cap", "expected"),
-    [
-        ([-1.0, 1.0, 3.0], 2.0, np.inf, [0.0, 1.5, 4.5]),
-        ([0.0, 1.0, 3.0], 2.0, 4.0, [0.0, 2.0, 4.0]),  # beyond the cap: held, and the rest scaled
-        ([0.0, 4.0, 4.0, 1.0], 2.5, 4.0, [0.0, 4.0, 4.0, 2.0]),  # at the cap: they stay
-        ([0.0, 4.0, 4.0], 1.0, 4.0, [0.0, 1.5, 1.5]),  # more than the load: all give way
-        ([0.0, 4.0, 4.0, 0.0], 3.0, 4.0, [2.0, 4.0, 4.0, 2.0]),  # nothing else carries: the others share
-        ([0.0, 0.3, 0.3], 0.2 - 1e-17, 0.3, [0.0, 0.3, 0.3]),  # but for what is rounding: they carry none
-    ],
-)
+@pytest.mark.cases
 def test_scaling_to_a_load(pressure, load, cap, expected):
     scaled = scale_to_load(np.array([pressure]), load, cap=cap)
     np.testing.assert_allclose(scaled, [expected], atol=1e-14)

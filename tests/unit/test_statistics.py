@@ -152,19 +152,7 @@ def flood(touching):
     return patches
 
 
-@pytest.mark.parametrize(
-    ("rows", "patches"),
-    [
-        (["....", "....", "...."], 0),
-        (["####", "####", "####"], 1),
-        (["#..#", "....", "#..#"], 1),  # four corners are one patch over the period
-        (["#...", ".#..", "..#."], 3),  # corners do not join
-        (["#..#", "....", ".##."], 2),
-        ([".#..", "....", ".#.."], 1),
-        (["##.#"], 1),  # a profile
-        (["#.#."], 2),
-    ],
-)
+@pytest.mark.cases
 def test_clusters_of_hand_made_masks(rows, patches):
     touching = np.array([[cell == "#" for cell in row] for row in rows])
     assert region_sizes(touching).size == patches

@@ -189,19 +189,7 @@ def rough_contact(shape, step, load, **surface):
     return contact["pressure"].values[0]
 
 
-@pytest.mark.parametrize(
-    ("shape", "step", "load", "surface"),
-    [
-        ((64, 64), 1.0, 0.005, {"hurst": 0.8, "shortest": 2, "longest": 64}),
-        ((64, 64), 1.0, 0.05, {"hurst": 0.3, "shortest": 2, "longest": 64, "seed": 1}),
-        ((64, 64), 1.0, 0.6, {"hurst": 0.8, "shortest": 2, "longest": 64, "seed": 2}),
-        ((64, 64), 1.0, 0.05, {"hurst": 0.5, "shortest": 10, "longest": 32, "seed": 3}),
-        ((64, 64), 1.0, 2.0, {"hurst": 0.8, "shortest": 10, "longest": 64, "seed": 4}),
-        ((16, 160), 1.0, 0.2, {"hurst": 0.8, "shortest": 8, "longest": 80, "stretch": 16, "seed": 5}),
-        ((40, 90), (2.5, 1.0), 0.05, {"hurst": 0.7, "shortest": 5, "longest": 90, "seed": 6}),
-        ((1, 512), 1.0, 0.05, {"hurst": 0.8, "shortest": 4, "longest": 512, "seed": 7}),
-    ],
-)
+@pytest.mark.cases
 def test_rough_maps_have_the_stresses_of_hundreds_of_depths(shape, step, load, surface):
     pressure, steps, ratio = rough_contact(shape, step, load, **surface), (np.max(step), 1.0), 0.3
     columns = subsurface.stress_columns(pressure, steps, poissons_ratio=ratio)

@@ -142,17 +142,7 @@ def test_all_mistakes_at_once(table):
     assert len(message.split("\n")) == 8
 
 
-@pytest.mark.parametrize(
-    ("lines", "message"),
-    [
-        (["surface\tpaht", "a\tb"], "column 'paht': unknown, did you mean path?"),
-        (["surface", "a"], "column 'path': missing"),
-        (["surface\tpath\tpath", "a\tb\tc"], "column 'path': occurs twice"),
-        (["surface,path", "a,b"], "columns are separated by tabs"),
-        (["surface\tpath"], "has no row"),
-        ([""], "surfaces.tsv: is empty; write a header (surface, path) and one row each"),
-    ],
-)
+@pytest.mark.cases
 def test_tables_that_are_none(table, lines, message):
     assert message in mistakes(table(*lines))
 
@@ -206,17 +196,7 @@ def test_a_row_that_ends_early_is_named(table):
     ]
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("g" * 65, "at most 64 characters, this one has 65; shorten it"),
-        ("a" * 20, "ends with a 19 times or more; Snakemake refuses it, change it"),
-        ("seal" + "-1" * 19, "ends with -1 19 times or more"),
-        ("0" * 64, "ends with 0 19 times or more"),
-        ("pages", "results/pages is the folder of the report's own pages; choose another name"),
-        ("Pages", "results/pages is the folder of the report's own pages; choose another name"),
-    ],
-)
+@pytest.mark.cases
 def test_names_that_snakemake_cannot_take_are_named(table, name, message):
     text = mistakes(table("surface\tpath", f"{name}\ta.txt"))
     assert f"line 2, surface = '{name}': " in text
@@ -464,26 +444,7 @@ def test_a_place_before_pairs_surfaces_and_gives_no_noise(table):
     assert surfaces["worn"].read_arguments["repeats"][0]["name"] == "again"
 
 
-@pytest.mark.parametrize(
-    ("rows", "message"),
-    [
-        (("a\ta\tb\t\t", "b\tb\ta\t\t"), r"repeat_of, before: (a -> b -> a|b -> a -> b) is a circle"),
-        (("a\ta\t\tb\t", "b\tb\t\ta\t"), r"repeat_of, before: (a -> b -> a|b -> a -> b) is a circle"),
-        (("a\ta\t\tb\t", "b\tb\ta\t\t"), r"repeat_of, before: (a -> b -> a|b -> a -> b) is a circle"),
-        (("a\ta\t\t\t", "b\tb\ta\ta\t"), "line 3, before = a: b and a are repeats as well (repeat_of)"),
-        # by way of another repeat
-        (
-            ("a\ta\t\t\t", "b\tb\ta\t\t", "c\tc\tb\ta\t"),
-            "line 4, before = a: c and a are repeats as well (repeat_of)",
-        ),
-        (("a\ta\t\t\tg", "b\tb\t\ta\tg"), "line 3, group = g: b and a are the same place; give before"),
-        # by way of another map of the place
-        (("a\ta\t\t\tg", "b\tb\t\ta\t", "c\tc\t\tb\tg"), "line 4, group = g: c and a are the same place"),
-        (("a\ta\t\t\tg", "b\tb\t\ta\t", "c\tc\tb\t\tg"), "line 4, group = g: c and a are the same place"),
-        (("a\ta\t\t\t", "b\ta\t\ta\t"), "line 3, before = a: b and a are the same file, a; name the file"),
-        (("a\ta\t\t\tg", "b\ta\t\t\tg"), "line 2, group = g: a and b are the same file, a; leave one out"),
-    ],
-)
+@pytest.mark.cases
 def test_places_that_contradict_one_another_are_refused_with_their_names(table, rows, message):
     table_message = mistakes(table("surface\tpath\trepeat_of\tbefore\tgroup", *rows))
     assert re.search(message if "->" in message else re.escape(message), table_message)

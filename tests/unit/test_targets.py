@@ -87,22 +87,7 @@ def test_units_do_not_matter():
     assert load / 1e11 == pytest.approx(reference, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("targets", "words"),
-    [
-        ({"target_gap": 10.0}, "target_gap = 10 m: must be less than the mean gap of the unloaded"),
-        ({"target_area": 1.0}, "target_area = 1: must be less than 1"),
-        ({"target_area": 1e-5}, "a single point of the map, 1/4096 of it, is more"),
-        ({"target_area": -0.1}, "target_area = -0.1 must be a positive"),
-        ({"target": "first_yield"}, "needs the yield_stress of a body, or a hardness"),
-        (
-            {"target": "first_yield", "bodies": [{"yield_stress": 1e8}, {}]},
-            "the body its poissons_ratio, too",
-        ),
-        ({"target_area": 0}, "target_area = 0 must be a positive finite number in shares of the area"),
-        ({"target": "percolate"}, "did you mean 'percolation'"),
-    ],
-)
+@pytest.mark.cases
 def test_targets_that_no_load_reaches(targets, words):
     with pytest.raises(rc.SettingsError, match=words):
         target_loads(ROUGH, contact_modulus=1.0, **targets)

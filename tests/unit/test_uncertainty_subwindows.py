@@ -48,22 +48,7 @@ def test_subwindows_lie_side_by_side_in_the_window():
     assert covered.sum() == 108**2
 
 
-@pytest.mark.parametrize(
-    ("sides", "step", "number", "shortest", "cut"),
-    [
-        ((120, 120), (1.0, 1.0), 9, 0.0, (3, 3)),
-        ((120, 120), (1.0, 1.0), 5, 0.0, (2, 2)),
-        ((60, 240), (1.0, 1.0), 9, 0.0, (2, 4)),
-        ((60, 240), (4.0, 1.0), 9, 0.0, (3, 3)),  # square in metres
-        ((48, 72), (1.0, 1.0), 9, 0.0, (3, 3)),  # as good as (2, 3) and (2, 4), whatever the unit
-        ((48, 72), (1e-6, 1e-6), 9, 0.0, (3, 3)),
-        ((48, 72), (1e-5, 1e-5), 9, 0.0, (3, 3)),
-        ((1, 400), (1.0, 1.0), 9, 0.0, (1, 9)),
-        ((24, 24), (1.0, 1.0), 9, 0.0, (2, 2)),  # 12 points at least
-        ((120, 120), (1.0, 1.0), 9, 30.0, (2, 2)),  # two of the shortest waves at least
-        ((20, 20), (1.0, 1.0), 9, 0.0, (1, 1)),
-    ],
-)
+@pytest.mark.cases
 def test_the_cut_is_square_and_no_part_too_small(sides, step, number, shortest, cut):
     parts = divided({"y": slice(0, sides[0]), "x": slice(0, sides[1])}, step, number, shortest)
     assert (len({part["y"].start for part in parts}), len({part["x"].start for part in parts})) == cut

@@ -68,25 +68,7 @@ def test_largest_rectangle_of_a_large_map_in_seconds():
     assert height * width > 50_000
 
 
-@pytest.mark.parametrize(
-    ("points", "side"),
-    [
-        (512, 512),
-        (563, 540),
-        (480, 480),
-        (640, 640),
-        (1280, 1280),
-        (960, 960),
-        (484, 480),
-        (101, 100),
-        (17, 17),
-        (32, 32),
-        (31, 31),  # up to 32 points any side is good
-        (37, 36),
-        (499, 480),  # 486 is 0.0124 longer (logarithm), 480 halves 2.9 times more down to 32: worth 0.0585
-        (500, 500),  # 0.0408 longer than 480, which halves twice as often: worth 0.0393
-    ],
-)
+@pytest.mark.cases
 def test_friendly_sides(points, side):
     assert friendly_sides(points)[points] == side
 
