@@ -1,12 +1,11 @@
 """Which tests run, and in which order: those of real files only where these are, the longest first."""
 
-import ast
 import os
 import subprocess
-from pathlib import Path
 
 import pytest
 import shared_data
+from case_tables import cases_of
 
 
 def pytest_configure():
@@ -28,26 +27,6 @@ def pytest_collection_modifyitems(items):
 def pytest_generate_tests(metafunc):
     if metafunc.definition.get_closest_marker("cases"):
         metafunc.parametrize(*cases_of(metafunc.module.__name__, metafunc.function.__name__))
-
-
-def cases_of(module, test):
-    """Return the names and the rows of the cases of a test, which lie in a table of `tests/cases`.
-
-    Its first line names the columns; what stands in a row beyond them is a remark.
-    """
-    blocks = (Path(__file__).parent / "cases" / f"{module}.tsv").read_text(encoding="utf-8").split("\n\n")
-    (block,) = (block for block in blocks if block.startswith(f"[{test}]\n"))
-    names, *rows = (line.split("\t") for line in block.strip("\n").split("\n")[1:])
-    values = [tuple(value_of(cell) for cell in row[: len(names)]) for row in rows]
-    return names, values
-
-
-def value_of(cell):
-    """Return what a cell holds: a literal of Python, `nan`, `inf`, or else a text as it is."""
-    try:
-        return ast.literal_eval(cell)
-    except (ValueError, SyntaxError):
-        return float(cell) if cell in ("nan", "inf", "-inf") else cell
 
 
 def pytest_make_parametrize_id(val, argname):

@@ -138,12 +138,22 @@ def is_sensible(mutation, sources):
     return not any(start <= (row, column) < stop for start, stop in annotations(source))
 
 
+def is_killed(result):
+    """Return whether a test has failed; cosmic-ray also counts a run that was interrupted."""
+    return result.test_outcome == "killed"
+
+
+def is_completed(result):
+    """Return whether the tests have run to a verdict on a mutant."""
+    return is_killed(result) or result.test_outcome == "survived"
+
+
 def forget_survivors(session):
-    """Take back the results of the mutants that no test has noticed."""
+    """Take back the results of the mutants that no test has noticed, or that were interrupted."""
     from cosmic_ray.work_db import use_db
 
     with use_db(session) as db:
-        items, killed = db.work_items, [(job, result) for job, result in db.results if result.is_killed]
+        items, killed = db.work_items, [(job, result) for job, result in db.results if is_killed(result)]
         db.clear()
         db.add_work_items(items)
         for job, result in killed:
@@ -168,7 +178,7 @@ def annotations(source):
 
 
 def report(name):
-    """Print what became of the mutants of a part; return 1 where one survived that nobody has judged."""
+    """Print what became of the mutants of a part; return 1 where one survived unjudged, or did not run."""
     from cosmic_ray.work_db import use_db
 
     judged = tomllib.loads((HERE / "judged.toml").read_text(encoding="utf-8"))
@@ -178,7 +188,10 @@ def report(name):
         waiting = len(db.pending_work_items)
         for item, result in sorted(db.completed_work_items, key=lambda pair: place(pair[0].mutations[0])):
             mutation = item.mutations[0]
-            if result.is_killed:
+            if not is_completed(result):
+                waiting += 1
+                continue
+            if is_killed(result):
                 killed += 1
                 timeouts += result.output == "timeout"
                 continue
@@ -202,7 +215,7 @@ def report(name):
     print(text + (f"; {waiting} did not run" if waiting else ""))
     for module, number, line, mutant in survivors:
         print(f"  {module}:{number}\n    - {line}\n    + {mutant}")
-    return int(bool(survivors))
+    return int(bool(survivors or waiting))
 
 
 if __name__ == "__main__":

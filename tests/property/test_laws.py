@@ -1,7 +1,7 @@
 """How every number transforms, with scales and with the map, and what names say as integrals and differences.
 
-The table `LAWS` has an entry for every output variable that a solved surface can have, so that a new variable
-without a law fails. Each law is physics, not the program's: p ~ E* h / L.
+The table of the laws has an entry for every output variable that a solved surface can have, so that a new
+variable without a law fails. Each law is physics, not the program's: p ~ E* h / L.
 """
 
 import re
@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from case_tables import cases_of
 from hypothesis import Phase, assume, example, given
 from hypothesis import settings as examples
 from hypothesis import strategies as st
@@ -37,126 +38,18 @@ class Law(NamedTuple):
     repeated: float = 1.0  # by what it is multiplied where the map is laid beside itself, twice each way
 
 
-NUMBER, SLOPE, LENGTH, HEIGHT = Law(0, 0, 0), Law(1, -1, 0), Law(0, 1, 0), Law(1, 0, 0)
-PRESSURE, ENERGY, STIFFNESS = Law(1, -1, 1), Law(2, -1, 1), Law(0, -1, 1)
-COUNT = NUMBER._replace(repeated=4)
-OF_SLOPES = NUMBER._replace(similar=True)
-PER_PRESSURE, PER_HEIGHT, PER_AREA, AREA = Law(-1, 1, -1), Law(-1, 0, 0), Law(0, -2, 0), Law(0, 2, 0)
-
-LAWS = {
-    **dict.fromkeys(["mean_pressure", "mean_contact_pressure", "max_pressure", "pressure_std"], PRESSURE),
-    **dict.fromkeys(["hardness", "first_yield_pressure", "first_subsurface_yield_pressure"], PRESSURE),
-    **dict.fromkeys(["max_von_mises_stress", "max_tresca_stress", "von_mises_profile"], PRESSURE),
-    **dict.fromkeys(["material_von_mises_stress", "material_first_yield_pressure"], PRESSURE),
-    **dict.fromkeys(["interface_shear_stress", "interface_normal_stress"], PRESSURE),
-    **dict.fromkeys(["material_von_mises_depth", "interface_depth"], LENGTH),
-    **dict.fromkeys(["pressure_bin_centre", "pressure_bin_bounds"], PRESSURE),
-    "first_yield_pressure_by_ratio": PRESSURE._replace(similar=True),
-    "contact_modulus": Law(0, 0, 1),
-    "pressure_density": PER_PRESSURE,
-    **dict.fromkeys(["mean_gap", "approach", "gap_bin_centre", "gap_bin_bounds", "rms_height"], HEIGHT),
-    **dict.fromkeys(["critical_constriction_x", "critical_constriction_y"], HEIGHT),
-    **dict.fromkeys(["Sa", "Sq", "Sp", "Sv", "Sz", *(set(BEARING_PARAMETERS) - {"Smr1", "Smr2"})], HEIGHT),
-    "gap_density": PER_HEIGHT,
-    **dict.fromkeys(["relative_pressure", "relative_contact_area", "relative_contact_area_pixels"], NUMBER),
-    **dict.fromkeys(["load_share_above_hardness", "area_share_above_hardness", "yielded_area"], NUMBER),
-    **dict.fromkeys(["contact_on_filled_points", "rejected_load_share", "converged"], NUMBER),
-    **dict.fromkeys(["gap_percolates_x", "gap_percolates_y", "points_per_shortest_wavelength"], NUMBER),
-    **dict.fromkeys(["flow_factor_xx", "flow_factor_yy", "flow_factor_xy"], NUMBER),
-    **dict.fromkeys(["shear_flow_x", "shear_flow_y"], NUMBER),
-    **dict.fromkeys([name for name in VARIABLES if name.endswith("_known")], NUMBER),
-    "relative_contact_area_if_isotropic": NUMBER,
-    "mean_gap_if_isotropic": HEIGHT,
-    **dict.fromkeys(["area_persson", "area_xu", "area_bush_gibson_thomas"], NUMBER),
-    "area_greenwood_williamson": NUMBER,
-    **dict.fromkeys(["nayak_parameter", "row_jitter", "Ssk", "Sku", "Smr1", "Smr2", "Str", "Std"], NUMBER),
-    **dict.fromkeys(["hardness_over_modulus", "sensitivity"], NUMBER),
-    "gradient": SLOPE,  # by the shortest wave that is kept
-    **dict.fromkeys(["cutoff_wavelength", "last_octave_wavelength", "Ssw"], LENGTH),
-    **dict.fromkeys(["load_share_above_ratio", "area_share_above_ratio", "Sdr"], OF_SLOPES),
-    **dict.fromkeys(["max_pressure_over_modulus", "rms_gradient", "Sdq"], SLOPE),
-    "rms_curvature": Law(1, -2, 0),
-    **dict.fromkeys(["contact_clusters"], COUNT),
-    "contact_perimeter": LENGTH._replace(repeated=4),
-    "largest_patch_area": AREA,
-    **dict.fromkeys(["patch_bin_centre", "patch_bin_bounds"], AREA),
-    "patch_area_density": PER_AREA,
-    **dict.fromkeys(["contact_stiffness", "loading_stiffness"], STIFFNESS),
-    **dict.fromkeys(["conductance_per_conductivity", "thermal_conductance"], Law(0, -1, 0)),
-    "electrical_conductance": Law(0, -1, 0),
-    **dict.fromkeys(["thermal_resistance", "electrical_resistance"], LENGTH),
-    **dict.fromkeys(["elastic_energy", "conforming_energy", "effective_work_of_adhesion"], ENERGY),
-    **dict.fromkeys(["leak_rate_x", "leak_rate_y"], Law(3, 0, 0)),  # the seal itself keeps its width
-    "leak_rate_by_cube": NUMBER,
-    **dict.fromkeys(["max_von_mises_depth", "volume_above_yield", "depth", "profile_depth", "Sal"], LENGTH),
-    **dict.fromkeys(["max_von_mises_x", "max_von_mises_y"], LENGTH),
-    **dict.fromkeys(["window_length_x", "window_length_y"], LENGTH._replace(repeated=2)),
-    **dict.fromkeys(["window_offset_x", "window_offset_y"], LENGTH),
-}
+LAWS = {name: Law(*law) for *law, names in cases_of("test_laws", "laws")[1] for name in names.split()}
+LAWS |= {name: Law(0, 0, 0) for name in VARIABLES if name.endswith("_known")}
 # what the solver says of its own work: no property of the surface
 OF_THE_SOLVER = {"iterations", "operator_applications", "error_bound", "rounding_floor", "load_error"}
 OF_THE_SOLVER |= {"max_penetration", "conductance_error_bound"}
-# maps, labels, and what is compared elsewhere: another code's numbers
-NO_NUMBER = {"height", "filled", "line_offset", "rejected_height", "pressure", "gap", "contact", "x", "y"}
-NO_NUMBER |= {
-    "input",
-    "component",
-    "source",
-    "surface",
-    "surface_name",
-    "case",
-    "case_name",
-}
-NO_NUMBER |= {"group", "group_name", "map", "map_name", "part", "maps", "stands_off"}
-# of datasets that no statistics have: finite bodies, unloading, partial slip, tables over the gap
-NO_NUMBER |= {
-    "force",
-    "contact_area",
-    "contact_radius",
-    "hertz_approach",
-    "hertz_max_pressure",
-    "hertz_radius",
-    "mutual_approach",
-}
-NO_NUMBER |= {
-    "residual_height",
-    "plastic_depth",
-    "mean_plastic_depth",
-    "max_plastic_depth",
-    "plastic_volume",
-    "dissipated_energy",
-}
-NO_NUMBER |= {"worn_volume", "max_worn_depth", "time_error_bound", "wear_steps", "running_in_distance"}
-NO_NUMBER |= {"sliding_distance"}
-# of sliding rubber, in a dataset of its own
-NO_NUMBER |= {
-    "speed",
-    "direction",
-    "octave_wavelength",
-    "contacts_solved",
-    "shear_strength",
-    "hysteretic_friction_bound",
-}
+NO_NUMBER = {name for (names,) in cases_of("test_laws", "NO_NUMBER")[1] for name in names.split()}
 NO_NUMBER |= {name for name in VARIABLES if "friction_" in name}
 # what a user allows, totals of an area or perimeter of his, and the materials'
 NO_NUMBER |= {name for name in VARIABLES if name.startswith(("allowed_", "total_"))}
 NO_NUMBER |= {name for name in VARIABLES if re.search("_(holds(_from)?|largest_Sq)$", name)}
-NO_NUMBER |= {"fluid_pressure"}  # of the seal, which stays as it is
-NO_NUMBER |= {"time"} | {name for name in VARIABLES if "_after" in name}  # of bodies that creep
-NO_NUMBER |= {
-    "joint_area",
-    "joint_resistance",
-    "temperature_drop",
-    "thermal_conductivity",
-    "electrical_resistivity",
-}
-NO_NUMBER |= {"shear_traction", "stick", "stick_share", "tangential_load", "tangential_displacement"}
-NO_NUMBER |= {"tangential_error_bound", "tangential_stiffness", "friction_coefficient", "peak_pressure"}
-NO_NUMBER |= {"temperature_rise", "mean_flash_temperature", "max_flash_temperature", "loaded_radius"}
-NO_NUMBER |= {name for name in VARIABLES if name.startswith("local_")} | {
-    "hertz_conductance_per_conductivity"
-}
-NO_NUMBER |= {"gas_conductance", "joint_conductance"}  # of a gas whose jump distance is a length of its own
+NO_NUMBER |= {name for name in VARIABLES if "_after" in name}  # of bodies that creep
+NO_NUMBER |= {name for name in VARIABLES if name.startswith("local_")}
 NO_NUMBER |= {f"greenwood_tripp_{name}" for name in ("contact_area", "loaded_radius", "max_pressure")}
 NO_NUMBER |= {f"rms_{name}_before_load" for name in ("height", "gradient", "curvature")}
 NO_NUMBER |= {f"{kind}_flow_factor_{axis}" for kind in ("pressure", "shear") for axis in "xy"}
@@ -176,16 +69,7 @@ BODIES = (
     | {"electrical_resistivity": 2e-6},
 )
 # numbers that are found to a share of themselves, by what is documented of them
-STATED = {"max_von_mises_depth": 0.01, "volume_above_yield": 0.02, "first_subsurface_yield_pressure": 1e-3}
-STATED |= {
-    "max_von_mises_stress": 1e-3,
-    "max_tresca_stress": 1e-3,
-    "contact_stiffness": 1e-3,
-    "conductance_per_conductivity": 1e-3,
-}
-STATED |= dict.fromkeys(("shear_flow_x", "shear_flow_y", "shear_flow_factor_x", "shear_flow_factor_y"), 2e-4)
-STATED |= {"loading_stiffness": 1e-3, "thermal_conductance": 1e-3, "electrical_conductance": 1e-3}
-STATED |= {"thermal_resistance": 1e-3, "electrical_resistance": 1e-3}
+SHARES = {name: share for share, names in cases_of("test_laws", "SHARES")[1] for name in names.split()}
 HISTOGRAMS = ("gap_density", "pressure_density")
 MODULUS = 1 / sum((1 - body["poissons_ratio"] ** 2) / body["youngs_modulus"] for body in BODIES)
 HARDNESS = 1.2e8  # Pa, which the largest pressure of the higher loads reaches
@@ -253,7 +137,7 @@ def same(actual, expected, name, points=np.inf, core=0.0, outside=np.inf):
     actual, expected = np.asarray(actual, float), np.asarray(expected, float)
     # of the curve through the sorted heights few are peaks
     rtol = (
-        points**-0.5 + 1 / (points * outside) + 1e-9 if name in BEARING_PARAMETERS else STATED.get(name, 2e-5)
+        points**-0.5 + 1 / (points * outside) + 1e-9 if name in BEARING_PARAMETERS else SHARES.get(name, 2e-5)
     )
     assert actual.shape == expected.shape, name
     scale = np.abs(expected[np.isfinite(expected)]).max(initial=0.0)

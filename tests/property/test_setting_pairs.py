@@ -20,6 +20,7 @@ from typing import NamedTuple, get_args
 import numpy as np
 import pytest
 import xarray as xr
+from case_tables import cases_of
 from known_surfaces import self_affine
 from test_laws import LAWS, NO_NUMBER, OF_THE_SOLVER, Law, kind_of, same, swapped
 
@@ -64,140 +65,7 @@ SEAL, JOINT, FRICTION = "statistics.seal:flow", "statistics.joint:area", "statis
 CONDUCTS, RESISTS = "contact.bodies.thermal_conductivity", "contact.bodies.electrical_resistivity"
 WEAR, SLIDING, FORM, LENS = "wear:worn", "sliding.speed", "level.form", "instrument.numerical_aperture"
 # of one or more keys, which stand after a colon where there are several, or the same with other ones
-SETTINGS = {
-    "contact.tolerance": Setting(1e-7),
-    BODIES: Setting({"youngs_modulus": 2.0**31, "poissons_ratio": 0.25}),
-    "contact.contact_modulus": Setting(2.0**30, PRESSURE),
-    "contact.mean_pressure": Setting([LOAD], PRESSURE),
-    "contact.relative_pressure": Setting([0.05]),
-    "contact:area": Setting({"force": [LOAD * AREA], "area": AREA}),
-    FREE: Setting({"boundary": "free", "force": [FORCE_ON_BODY]}),
-    SCALE: Setting({"form": {"radius": [2e-3], "local_scale": True}, "contact": {"force": [FORCE_ON_BODY]}}),
-    FORM: Setting("polynomial"),
-    "level.order": Setting(3, needs=(FORM,)),
-    "level.robust": Setting(True),
-    "level.outlier_threshold": Setting(5.0),
-    "level.line_alignment": Setting("median"),
-    "level.scar_threshold": Setting(4.0),
-    "level.s_filter": Setting(4e-6, LENGTH),
-    "level.l_filter": Setting(25e-6, LENGTH),
-    "level.fill": Setting("none"),
-    "composite": Setting({"shifts": 2, "rotations": [90.0], "overlap": 0.9, "seed": 1}),
-    "window.placement": Setting("whole-periods"),
-    "window.method": Setting("mirror"),
-    "window.width": Setting(0.2),
-    "window.shortest_wavelength": Setting(5e-6, LENGTH),
-    "window.longest_wavelength": Setting(30e-6, LENGTH),
-    "window.reliable_band": Setting(True),
-    LAYERS: Setting({"youngs_modulus": 2.0**32, "poissons_ratio": 0.25, "thickness": 4e-6}, needs=(BODIES,)),
-    "contact.bodies.base": Setting("rigid", needs=(LAYERS,)),
-    "contact.bodies.layers.yield_stress": Setting(4e7, PRESSURE, adds=True, needs=(LAYERS,)),
-    **{
-        f"contact.bodies.layers.{name}_uncertainty": Setting(share, neutral=1e-13, needs=(LAYERS, *needs))
-        for name, share, needs in (
-            ("youngs_modulus", 0.2, ()),
-            ("thermal_conductivity", [0.1, 0.2], (CONDUCTS,)),
-            ("electrical_resistivity", 0.1, (RESISTS,)),
-        )
-    },
-    "contact.hardness": Setting(6e7, PRESSURE, 2e10),
-    "contact.hardness_uncertainty": Setting([0.1, 0.2], neutral=1e-13, needs=("contact.hardness",)),
-    "contact.bodies.hardness": Setting(7e7, PRESSURE, 2e10, needs=(BODIES,)),
-    "contact.bodies.hardness_uncertainty": Setting(0.2, neutral=1e-13, needs=("contact.bodies.hardness",)),
-    "contact.unload": Setting(True, adds=True),
-    "contact.influence": Setting("elements"),
-    "contact.zero_frequency": Setting("nogi-kato"),
-    "contact.contact_modulus_uncertainty": Setting(0.05, neutral=1e-13),
-    "contact.mean_pressure_uncertainty": Setting(0.02, neutral=1e-13),
-    "contact.target_area": Setting([0.12], adds=True),
-    "contact.target_gap": Setting([1.2e-7], LENGTH, adds=True),
-    "contact.target": Setting(["percolation"], adds=True),
-    "contact.precision": Setting("single", neutral="double"),
-    "contact.bodies.creep_modulus": Setting({"3600": 2.0**30}, PRESSURE, adds=True, needs=(BODIES,)),
-    SERIES: Setting(RUBBER, needs=(BODIES,)),
-    "contact.bodies.relaxation:temperature": Setting(
-        {"wlf": [17.4, 51.6], "reference_temperature": "20 °C", "temperature": "25 °C"}
-    ),
-    "contact.bodies.relaxation.table": Setting("table of a DMA", needs=(BODIES,)),
-    "contact.time": Setting([1e-4]),
-    "contact.bodies.youngs_modulus_uncertainty": Setting([0.1, 0.2], neutral=1e-13, needs=(BODIES,)),
-    "contact.bodies.yield_stress": Setting(4e7, PRESSURE, adds=True, needs=(BODIES,)),
-    CONDUCTS: Setting(20.0, adds=True, needs=(BODIES,)),
-    RESISTS: Setting(1e-7, adds=True, needs=(BODIES,)),
-    f"{CONDUCTS}_uncertainty": Setting(0.1, neutral=1e-13, needs=(CONDUCTS,)),
-    f"{RESISTS}_uncertainty": Setting([0.1, 0.2], neutral=1e-13, needs=(RESISTS,)),
-    "form.radius": Setting([2e-3, 3e-3], LENGTH, needs=(FREE,)),
-    "form.edges": Setting(True, needs=(FREE,)),
-    "statistics.pressure_bins": Setting(7),
-    "statistics.gap_bins": Setting(9),
-    "statistics.flow": Setting("always", adds=True),
-    "statistics.stress": Setting("always", adds=True),
-    "statistics.work_of_adhesion": Setting(0.05, ENERGY, adds=True),
-    "statistics.allowed_pressure": Setting(9e7, PRESSURE, adds=True),
-    SEAL: Setting({"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}, adds=True),
-    "statistics.seal.perimeter": Setting(0.1, LENGTH, adds=True, needs=(SEAL,)),
-    "statistics.seal.allowed_leak": Setting(1e-12, (3, 1), adds=True, needs=("statistics.seal.perimeter",)),
-    "statistics.seal.outlet_pressure": Setting(1e5, PRESSURE, adds=True, needs=(SEAL,)),
-    "statistics.seal.mean_free_path": Setting(
-        7e-8, LENGTH, adds=True, needs=("statistics.seal.outlet_pressure",)
-    ),
-    "statistics.joint:gas": Setting(
-        {"gas_conductivity": 0.026, "temperature_jump": 3.7e-7}, adds=True, needs=(CONDUCTS,)
-    ),
-    "statistics.joint:film": Setting(
-        {"film_thickness": 5e-9, "film_conductivity": 2.0}, adds=True, needs=(CONDUCTS,)
-    ),
-    JOINT: Setting({"area": AREA}, adds=True, needs=(CONDUCTS,)),
-    "statistics.joint.heat_flow": Setting(1.0, adds=True, needs=(JOINT,)),
-    "statistics.joint.allowed_resistance": Setting(1e-3, (-1, 0), adds=True, needs=(JOINT, RESISTS)),
-    "statistics.joint.allowed_temperature_drop": Setting(
-        2.0, (-1, 0), adds=True, needs=("statistics.joint.heat_flow",)
-    ),
-    # far from what is: roughness is searched for by solutions, as test_second_ways does for each of these
-    "statistics.requirement:contact": Setting({"gap": 1e-3, "contact_area": 1e-9}, adds=True),
-    "statistics.requirement:pressure": Setting({"pressure": 1e10}, PRESSURE, adds=True),
-    "statistics.requirement:heat": Setting({"thermal_resistance": 0.1}, LENGTH, adds=True, needs=(CONDUCTS,)),
-    "statistics.requirement:current": Setting(
-        {"contact_resistance": 1e-4}, LENGTH, adds=True, needs=(RESISTS,)
-    ),
-    "statistics.requirement:leak": Setting(
-        {"leak": 1e-3}, (3, 1), adds=True, needs=("statistics.seal.perimeter",)
-    ),
-    "statistics.requirement:joint": Setting(
-        {"resistance": 1e3, "temperature_drop": 1e3},
-        (-1, 0),
-        adds=True,
-        needs=("statistics.joint.heat_flow", RESISTS),
-    ),
-    FRICTION: Setting({"coefficient": 1, "tangential_load": [0.4]}, adds=True),
-    "statistics.friction.shear_strength": Setting(5e6, PRESSURE, adds=True),
-    "statistics.friction.shear_strength_uncertainty": Setting(
-        [0.1, 0.2], adds=True, needs=("statistics.friction.shear_strength",)
-    ),
-    "statistics.friction.speed": Setting(
-        1, adds=True, needs=("statistics.friction.shear_strength", CONDUCTS)
-    ),
-    "statistics.friction.thermal_diffusivity": Setting(
-        1e-5, LENGTH, adds=True, needs=("statistics.friction.speed",)
-    ),
-    WEAR: Setting({"coefficient": 1e-14, "distance": [0.02]}, adds=True),
-    "wear.coefficient_factor": Setting(3, adds=True, needs=(WEAR,)),
-    "wear.mean_pressure": Setting(3e6, PRESSURE, adds=True, needs=(WEAR,)),
-    SLIDING: Setting([0.1], LENGTH, adds=True),
-    "sliding.direction": Setting(30, adds=True, needs=(SLIDING,)),
-    "sliding.mean_pressure": Setting(LOAD, PRESSURE, adds=True, needs=(SLIDING,)),
-    "uncertainty.windows": Setting(4),
-    "uncertainty.sources": Setting(["solver", "discretisation", "window", "material", "instrument"]),
-    "instrument.noise": Setting(4e-9, LENGTH, 1e-12),
-    "instrument.resolution": Setting(3.5e-6, LENGTH),
-    LENS: Setting(0.2),
-    "instrument.wavelength": Setting(6e-7, LENGTH, needs=(LENS,)),
-    "instrument.tip_radius": Setting(2e-6, LENGTH, 1e-12),
-    "instrument.amplification_z": Setting(0.02, neutral=1e-13),
-    "instrument.amplification_xy": Setting(0.01, neutral=1e-13),
-    "instrument.correct": Setting(True, needs=("instrument.resolution",)),
-    "overview": Setting(True),  # a column of the table
-}
+SETTINGS = {key: Setting(*row) for key, *row in cases_of("test_setting_pairs", "SETTINGS")[1]}
 RELAXATIONS, TEMPERATURE = (
     (SERIES, "contact.bodies.relaxation.table"),
     "contact.bodies.relaxation:temperature",
@@ -228,46 +96,19 @@ APART = [
 ]
 # what of settings of several numbers has a unit
 WITHIN = {
-    **dict.fromkeys(["temperature_jump", "width", "thickness", "radius", "perimeter", "gap"], LENGTH),
-    **dict.fromkeys(["mean_free_path", "film_thickness", "thermal_diffusivity", "distance"], LENGTH),
-    **dict.fromkeys(["pressure_difference", "outlet_pressure", "youngs_modulus"], PRESSURE),
-    **dict.fromkeys(["mean_pressure", "shear_strength", "long_time_modulus", "moduli"], PRESSURE),
-    "force": FORCE,
-    "area": (2, 0),
-    "allowed_leak": (3, 1),
-    **dict.fromkeys(["allowed_resistance", "allowed_temperature_drop"], (-1, 0)),
-    "coefficient": (0, -1),  # of wear; that of friction, and its speed, are whole numbers without a unit
-    "speed": LENGTH,  # of rubber
+    name: tuple(scale)
+    for *scale, names in cases_of("test_setting_pairs", "WITHIN")[1]
+    for name in names.split()
 }
 # of the numbers that have laws of their own here, since all lengths and forces are scaled
 FURTHER_LAWS = {
-    "force": Law(0, 2, 1),
-    **dict.fromkeys(
-        ["contact_area", "joint_area", "local_contact_area", "greenwood_tripp_contact_area"], Law(0, 2, 0)
-    ),
-    **dict.fromkeys(["contact_radius", "hertz_radius", "loaded_radius", "hertz_approach"], Law(0, 1, 0)),
-    **dict.fromkeys(["greenwood_tripp_loaded_radius", "local_mean_gap", "mutual_approach"], Law(0, 1, 0)),
-    **dict.fromkeys(["hertz_max_pressure", "greenwood_tripp_max_pressure"], Law(0, 0, 1)),
-    "local_mean_contact_pressure": Law(0, 0, 1),
-    **dict.fromkeys(["gas_conductance", "joint_conductance"], Law(0, -1, 0)),
-    **dict.fromkeys(["leak_rate_x", "leak_rate_y"], Law(0, 2, 1)),
-    "leak_rate_by_cube": Law(0, -1, 1),
-    "total_force": Law(0, 2, 1),
-    **dict.fromkeys(["total_leak_rate_x", "total_leak_rate_y"], Law(0, 3, 1)),
-    **dict.fromkeys(["total_electrical_resistance", "total_thermal_resistance"], Law(0, -1, 0)),
-    "temperature_drop": Law(0, -1, 0),
-    **dict.fromkeys([f"{name}_holds_from" for name in ALLOWED_VALUES], Law(0, 0, 1)),
-    **dict.fromkeys([f"{name}_holds" for name in ALLOWED_VALUES], Law(0, 0, 0)),
-    **dict.fromkeys([name for name in VARIABLES if name.endswith("_largest_Sq")], Law(0, 1, 0)),
-    "stick_share": Law(0, 0, 0),
-    **dict.fromkeys(["friction_coefficient", "adhesive_friction_coefficient"], Law(0, 0, 0)),
-    **dict.fromkeys(["hysteretic_friction_coefficient", "persson_friction_coefficient"], Law(0, 0, 0)),
-    **dict.fromkeys(["mean_flash_temperature", "max_flash_temperature"], Law(0, 1, 1)),
-    "slid max_flash_temperature": Law(0, 2, 1),  # by a speed that is scaled
-    "tangential_stiffness": Law(0, -1, 1),
-    "dissipated_energy": Law(0, 1, 1),
-    **dict.fromkeys(["worn_volume", "max_worn_depth"], Law(0, 1, 0)),
+    name: Law(0, *scale)
+    for *scale, names in cases_of("test_setting_pairs", "laws")[1]
+    for name in names.split(", ")
 }
+FURTHER_LAWS |= {f"{name}_holds_from": Law(0, 0, 1) for name in ALLOWED_VALUES}
+FURTHER_LAWS |= {f"{name}_holds": Law(0, 0, 0) for name in ALLOWED_VALUES}
+FURTHER_LAWS |= {name: Law(0, 1, 0) for name in VARIABLES if name.endswith("_largest_Sq")}
 
 
 def rough(by, periods=1):

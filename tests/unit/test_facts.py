@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
+from case_tables import cases_of
 
 from roughcontact.arguments.maps import height_map
 from roughcontact.report.facts import levelled_caption, spectrum_caption, surface_facts
@@ -70,34 +71,8 @@ def test_all_that_is_known_of_a_surface():
         "Spk": 2e-7,
         "Svk": 6e-7,
     }
-    assert facts(measured, levelled, {"periodisation": "cross-fade"}) == {
-        "File": "a.x3p · X3P",
-        "Channel": "height",
-        "Instrument": "lens 50x, numerical aperture 0.400",
-        "Assumed in the ±": (
-            "a perfect lens or tip and no noise beyond that of a flat spectrum, as none is stated"
-        ),
-        "Map": "40.0 µm × 60.0 µm, 40 × 30 points of 1.00 µm × 2.00 µm",  # x before y
-        "Missing points": "1.25 %",
-        "Removed form": "plane: slope x −0.0200, mean 1.50 µm",
-        "Scan lines": "aligned (median), shifts of 0.0250 µm rms",
-        "Filters": "S-filter 8.00 µm, 0.0300 µm rms removed",
-        "Sa, Sq, Sz": "0.300 µm, 0.400 µm, 5.00 µm",
-        "Ssk, Sku, Sdq": "−0.500, 3.20, 0.200",
-        "Sk, Spk, Svk": "0.900 µm, 0.200 µm, 0.600 µm",
-        "Window": "40.0 µm × 60.0 µm, 40 × 30 points",
-        "Made periodic by": "blending opposite edges",
-        "Sal, Str, lay": "12.0 µm, 0.250, 60° from x towards y",
-        "rms height": "0.400 µm",
-        "rms gradient g": "0.125",
-        "Points per shortest wave": "4.6",
-        "First yield below the surface": "at 5.00 MPa mean pressure",
-        "Gap closes": "along x between 5.00 MPa and 20.0 MPa; along y not up to 20.0 MPa",
-        "Flow through the gap": "not solved, as no seal is stated",
-        "Contact modulus E*": "115 GPa",
-        "Hardness": "3.00 GPa",
-        "First yield at the surface": "at 2.00 MPa mean pressure",
-    }
+    expected = dict(cases_of("test_facts", "test_all_that_is_known_of_a_surface")[1])
+    assert facts(measured, levelled, {"periodisation": "cross-fade"}) == expected
 
 
 def test_how_a_counter_face_lies_on_the_face():

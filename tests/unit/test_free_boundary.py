@@ -102,6 +102,15 @@ def test_ball(ratio):
     np.testing.assert_allclose(contact["gap"].values[0][out], gap, atol=3e-5 * exact["approach"])
 
 
+def test_a_map_that_whole_blocks_do_not_cover():
+    """Its contact is first looked for in blocks of 3 points: 190 and 187 of them leave one."""
+    radius = 10.0
+    ball = paraboloid(radius, radius, 190)[:, 1:-2]
+    force = 4 * 0.2**3 / (3 * radius)
+    contact = rc.solve_contact(ball, force=force, tolerance=1e-5, **STEEL)
+    assert -contact["approach"].item() == pytest.approx(hertz(force, radius, 1.0)["approach"], rel=1e-4)
+
+
 @pytest.mark.parametrize(("radius_x", "radius_y"), [(10.0, 4.0), (2.0, 40.0)])
 def test_ellipse(radius_x, radius_y):
     force = 4e-4

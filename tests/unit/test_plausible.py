@@ -1,6 +1,7 @@
 """Slips of unit: what real materials and loads are passes, the same numbers in another unit are doubted."""
 
 import pytest
+from case_tables import cases_of
 
 from roughcontact.arguments import materials
 from roughcontact.arguments.settings.resolve import resolve
@@ -8,26 +9,7 @@ from roughcontact.errors import SettingsError
 
 # Young's modulus, Poisson's ratio, hardness: figures of handbooks, rounded (Ashby 2011; Tabor 1951; Johnson
 # 1985; Levental, Georges and Janmey 2007 for tissue; Klein and Cardinale 1993 for diamond)
-REAL = {
-    "brain tissue": (2e3, 0.49, None),
-    "gelatine gel": (2e4, 0.5, None),
-    "silicone": (2e6, 0.49, None),
-    "natural rubber": (1.5e6, 0.4999, None),
-    "foam": (3e6, 0.1, None),
-    "ptfe": (5e8, 0.46, 3e7),
-    "polyethylene": (1e9, 0.42, 5e7),
-    "peek": (4e9, 0.4, 3e8),
-    "lead": (1.6e10, 0.44, 4e7),
-    "indium": (1.1e10, 0.45, 9e6),
-    "gold": (7.8e10, 0.44, 2.2e8),
-    "aluminium alloy": (7e10, 0.33, 1.2e9),
-    "glass": (7e10, 0.22, 5.5e9),
-    "mild steel": (2.1e11, 0.3, 1.5e9),
-    "bearing steel": (2.1e11, 0.3, 7.5e9),
-    "alumina": (3.9e11, 0.24, 1.8e10),
-    "tungsten carbide": (6.5e11, 0.21, 1.6e10),
-    "diamond": (1.143e12, 0.07, 1e11),
-}
+REAL = {name: numbers for name, *numbers in cases_of("test_plausible", "REAL")[1]}
 RIGID = {"youngs_modulus": 1e20, "poissons_ratio": 0.3}
 
 

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
+from case_tables import cases_of
 
 from roughcontact.arguments.answers import UNITS
 from roughcontact.arguments.variables import VARIABLES
@@ -14,37 +15,7 @@ from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 
 # of one load: variable -> value in SI, and as the tables of a steel part of 1 mm write it, with its unit
-SHOWN = {
-    "mean_pressure": (2.5e6, "2.50", "MPa"),
-    "relative_pressure": (0.0125, "0.0125", ""),
-    "relative_contact_area": (0.0321, "3.21", "%"),
-    "relative_contact_area_pixels": (0.045, "4.50", "%"),
-    "contact_clusters": (1234, "1234", ""),
-    "largest_patch_area": (3.4e-11, "34.0", "µm²"),
-    "contact_perimeter": (7.2e-3, "7200", "µm"),
-    "mean_contact_pressure": (7.79e7, "77.9", "MPa"),
-    "pressure_std": (1.2e7, "12.0", "MPa"),
-    "max_pressure": (8.76e8, "876", "MPa"),
-    "max_pressure_over_modulus": (0.00762, "0.00762", ""),
-    "load_share_above_hardness": (0.25, "25.0", "%"),
-    "area_share_above_hardness": (0.125, "12.5", "%"),
-    "max_von_mises_stress": (3.1e8, "310", "MPa"),
-    "max_von_mises_depth": (2.2e-7, "0.220", "µm"),
-    "mean_gap": (1.7e-6, "1.70", "µm"),
-    "contact_stiffness": (4.5e15, "4500", "MPa/µm"),
-    "elastic_energy": (0.0301, "0.0301", "J/m²"),
-    "conductance_per_conductivity": (9.17e5, "917", "mm⁻¹"),
-    "thermal_conductance": (8.4e6, "8400", "kW/(m² K)"),
-    "electrical_conductance": (5.5e12, "5500", "GS/m²"),
-    "critical_constriction_x": (9.4e-7, "0.940", "µm"),
-    "critical_constriction_y": (8.3e-7, "0.830", "µm"),
-    "flow_factor_xx": (0.0215, "0.0215", ""),
-    "flow_factor_yy": (0.0512, "0.0512", ""),
-    "leak_rate_x": (3e-12, "0.0108", "ml/(h m)"),
-    "leak_rate_y": (5e-12, "0.0180", "ml/(h m)"),
-    "error_bound": (8e-5, "8.00×10⁻⁵", ""),
-    "contact_on_filled_points": (0.0123, "1.23", "%"),
-}
+SHOWN = {name: shown for name, *shown in cases_of("test_report_tables", "SHOWN")[1]}
 SURFACE = {
     "contact_modulus": 115e9,
     "rms_height": 4e-7,

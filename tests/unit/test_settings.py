@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from case_tables import cases_of
 from pydantic import ValidationError
 
 from roughcontact.arguments.settings.generated import default_yaml, json_schema
@@ -105,45 +106,7 @@ def test_a_section_is_the_keyword_arguments_of_its_verb(section, verb):
 
 def test_no_default_changes_by_mistake():
     """Each default that decides a number, written once more: another one changes results of all users."""
-    defaults = {
-        "level.form": "plane",
-        "level.order": 2,
-        "level.robust": False,
-        "level.outlier_threshold": 6.0,
-        "level.line_alignment": "auto",
-        "level.fill": "harmonic",
-        "level.max_missing": 0.4,
-        "composite.shifts": 5,
-        "composite.rotations": [0.0],
-        "composite.overlap": 0.75,
-        "composite.seed": 0,
-        "window.placement": "largest",
-        "window.method": "smooth-cross-fade",
-        "window.width": 0.1,
-        "window.min_share": 0.05,
-        "window.reliable_band": False,
-        "form.edges": False,
-        "form.local_scale": False,
-        "contact.boundary": "periodic",
-        "contact.tolerance": 1e-4,
-        "contact.zero_frequency": "zero",
-        "contact.influence": "sampled",
-        "contact.precision": "double",
-        "contact.keep_fields": True,
-        "contact.on_failure": "raise",
-        "statistics.pressure_bins": 20,
-        "statistics.gap_bins": 20,
-        "statistics.flow": "auto",
-        "statistics.stress": "auto",
-        "uncertainty.sources": [
-            *("solver", "discretisation", "window", "instrument", "material", "hardness", "unresolved")
-        ],
-        "uncertainty.windows": 9,
-        "instrument.correct": False,
-        "wear.coefficient_factor": 1.0,
-        "sliding.direction": [0.0],
-        "report.title": "Contact of rough surfaces",
-    }
+    defaults = dict(cases_of("test_settings", "test_no_default_changes_by_mistake")[1])
     sections = Settings().model_dump(mode="json", exclude={"surfaces", "cases"})
     assert defaults == {
         f"{section}.{key}": value

@@ -8,6 +8,7 @@ from typing import get_args, get_origin
 import pytest
 import yaml
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
+from case_tables import cases_of
 
 from roughcontact.arguments import checking
 from roughcontact.arguments.choices import MIN_TOLERANCE
@@ -107,47 +108,13 @@ LIMITS = {
     "sliding.speed": ([f"{SMALLEST} m/s", [f"{SMALLEST} m/s"], [1.0, 2.0]], [0, [], [1, -1]]),
     "surfaces": (["s"], [""]),
 }
-# above nothing, by unit: section: names
-POSITIVE = {
-    "Pa": "contact: contact_modulus; statistics.seal: pressure_difference",
-    "W/(m K)": (
-        "contact.bodies.layers: thermal_conductivity; contact.bodies: thermal_conductivity; "
-        "statistics.joint: gas_conductivity film_conductivity"
-    ),
-    "Ohm m": "contact.bodies.layers: electrical_resistivity; contact.bodies: electrical_resistivity",
-    "m2": "contact: area; statistics.joint: area",
-    "Pa s": "statistics.seal: viscosity",
-    "m": "statistics.seal: width; statistics.joint: temperature_jump film_thickness",
-    "1/Pa": "wear: coefficient",
-}
-# the same, and may be left out
-POSITIVE_OR_NONE = {
-    "": "level: outlier_threshold scar_threshold; statistics.friction: coefficient",
-    "m": (
-        "level: s_filter l_filter; window: shortest_wavelength longest_wavelength; statistics.seal: "
-        "perimeter mean_free_path; instrument: noise resolution wavelength tip_radius"
-    ),
-    "Pa": (
-        "contact.bodies.layers: yield_stress; contact.bodies: hardness yield_stress; contact: "
-        "hardness; statistics.seal: outlet_pressure; statistics: allowed_pressure; "
-        "statistics.requirement: pressure; statistics.friction: shear_strength; wear: mean_pressure; "
-        "sliding: mean_pressure"
-    ),
-    "J/m2": "statistics: work_of_adhesion",
-    "m3/s": "statistics.seal: allowed_leak; statistics.requirement: leak",
-    "W": "statistics.joint: heat_flow",
-    "Ohm": "statistics.joint: allowed_resistance; statistics.requirement: resistance",
-    "K": "statistics.joint: allowed_temperature_drop; statistics.requirement: temperature_drop",
-    "m2 K/W": "statistics.requirement: thermal_resistance",
-    "Ohm m2": "statistics.requirement: contact_resistance",
-    "m/s": "statistics.friction: speed",
-    "m2/s": "statistics.friction: thermal_diffusivity",
-}
+# above nothing
 LIMITS |= {
-    f"{section}.{name}": ([f"{SMALLEST} {unit}" if unit else SMALLEST, *rest], [0, -1])
-    for by_unit, rest in ((POSITIVE, ()), (POSITIVE_OR_NONE, (None,)))
-    for unit, sections in by_unit.items()
-    for section, _, names in (entry.partition(": ") for entry in sections.split("; "))
+    f"{section}.{name}": (
+        [f"{SMALLEST} {unit}" if unit else SMALLEST, *([None] if optional else [])],
+        [0, -1],
+    )
+    for unit, section, names, optional in cases_of("test_settings_limits", "POSITIVE")[1]
     for name in names.split()
 }
 OTHERS = {

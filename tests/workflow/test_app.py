@@ -922,35 +922,7 @@ def contents(home):
 
 
 class TestNothingOutsideTheStudy:
-    @pytest.mark.parametrize(
-        ("location", "target", "refused"),
-        [
-            ("surfaces", "../.bash_profile", "write start"),
-            ("surfaces", "{home}/.bash_profile", "write start"),
-            ("surfaces", "../.bashrc", "write start"),
-            ("surfaces", "aside/../.bash_profile", "write start"),
-            ("surfaces", "aside/t.tsv", "write start"),
-            ("config", "../elsewhere", "write start"),
-            ("config/config.yaml", "../../.bash_profile", "write start"),
-            ("config/surfaces.tsv", "../../.bash_profile", "write start"),
-            ("config/.surfaces.tsv.partial", "../../.bashrc", ""),
-            ("config/.config.yaml.partial", "../../.bash_profile", ""),
-            ("measured/.new.txt.partial", "../../.bashrc", ""),
-            ("measured/new.txt", "../../.bash_profile", "drop"),
-            ("logs", "../elsewhere", "start"),
-            ("logs/page.log", "../../.bashrc", "start"),
-            ("logs/page.log", "../../.bash_profile", "start"),
-            ("logs/page.log", "../measured/two.sdf", ""),
-            ("results", "../elsewhere", "start export"),
-            ("results/one/statistics.nc", "../../../.bashrc", "start export"),
-            ("results/two", "../../elsewhere", "start export"),
-            ("exports", "../elsewhere", "export"),
-            ("exports/.one.csv.partial", "../../.bashrc", "export"),
-            (".snakemake", "../elsewhere", "start serve"),
-            (".snakemake/log", "../../elsewhere", "start"),
-            (".snakemake/page", "../../.bash_profile", "start serve"),
-        ],
-    )
+    @pytest.mark.cases
     def test_whatever_settings_and_links_of_others_say(
         self, location, target, refused, tmp_path, monkeypatch
     ):
