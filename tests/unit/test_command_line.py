@@ -9,6 +9,7 @@ import shlex
 import subprocess
 import sys
 import threading
+import tomllib
 from pathlib import Path
 from typing import get_args
 
@@ -369,6 +370,26 @@ def test_no_bar_where_nobody_looks(small):
     assert process.returncode == 0
     assert "mean pressure" in process.stdout
     assert process.stderr == ""
+
+
+def test_an_interruption_while_modules_are_imported_is_one_line():
+    """The installed program and `python -m` are the same module, which imports all others inside its `try`."""
+    scripts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["scripts"]
+    assert scripts == {"roughcontact": "roughcontact.interface.__main__:main"}
+    interrupted = """
+import runpy, sys
+
+class Interruption:
+    def find_spec(self, name, *_):
+        if name == "roughcontact.interface.program":
+            raise KeyboardInterrupt
+
+sys.meta_path.insert(0, Interruption())
+runpy.run_module("roughcontact.interface", run_name="__main__")
+"""
+    process = run("-c", interrupted)
+    assert (process.returncode, process.stdout) == (130, "")
+    assert process.stderr == "roughcontact: interrupted\n"
 
 
 @pytest.mark.parametrize(
