@@ -54,7 +54,7 @@ def test_all_that_is_imported_when_a_script_starts_is_covered(script):
 
 def forget():
     """Look at the files anew, as every run does."""
-    for name in ("_read", "_imported", "_entries", "_modules"):
+    for name in ("_read", "_imported", "_entries", "_sources", "_modules"):
         getattr(dependencies, name).cache_clear()
 
 

@@ -5,7 +5,6 @@ opens the log of the job, which receives the traceback of an error; the screen s
 """
 
 import atexit
-import errno
 import json
 import os
 import sys
@@ -41,13 +40,6 @@ _MEMORY = snakemake.resources.get("mem_mb")
 _ASKED = (f"it had asked for {_MEMORY} MB; " if _MEMORY else "") + (
     "run fewer jobs at once (--cores 1), cut the map or measure it coarser, and run again"
 )
-_DISK = {
-    errno.ENOSPC: "the disk is full; make room and run again, finished jobs are not repeated",
-    errno.EDQUOT: "your disk quota is exceeded; make room and run again",
-    errno.EFBIG: "is larger than a file may be here; raise this limit (`ulimit -f`) and run again",
-    errno.EROFS: "the folder is read-only; choose another one with --directory",
-    errno.EACCES: "you may not read or write it; change its permissions",
-}
 
 
 try:  # a descriptor, not a file: no buffer whose flush fails on a full disk when the job ends
@@ -199,8 +191,6 @@ def _report_error(kind: type[BaseException], error: BaseException, trace: Traceb
         text = str(error)
     elif isinstance(error, MemoryError):
         text = f"out of memory ({error or 'no room for more arrays'}): {_ASKED}"
-    elif isinstance(error, OSError) and error.errno in _DISK:
-        text = f"{error.filename or 'a file'}: {_DISK[error.errno]}"
     else:
         text = f"{kind.__name__}: {error} (unexpected, please report it with {snakemake.log[0]})"
     line = f"[{_NAME}] ERROR: {text}"

@@ -8,6 +8,7 @@ import os
 import re
 from contextlib import suppress
 from functools import cache
+from itertools import accumulate
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
@@ -73,7 +74,7 @@ def _imported(path: str) -> tuple[str, ...]:
     names = [name for names_text in _IMPORT.findall(text) for name in _listed(names_text)]
     for module, names_text in _FROM_IMPORT.findall(text):
         names += [module, *(f"{module}.{name}" for name in _listed(names_text))]
-    files = [file for name in dict.fromkeys(names) for file in _files(name, folder)]
+    files = [file for name in dict.fromkeys(names) for file in _modules(name) or _beside(name, folder)]
     for string in dict.fromkeys(string for _, string in _STRING.findall(text)):
         files += _named(string, folder)
     return tuple(dict.fromkeys(files))
@@ -90,27 +91,16 @@ def _named(text: str, folder: str) -> list[str]:
 
     A folder is named by a string where its modules are found at run time, so that all of them are imported.
     """
-    head, *names = text.split(".")
-    if not names:
+    if "." not in text:
         data = _entries(os.path.join(folder, text)) if _entries(folder).get(text) else ()
-        return [os.path.join(folder, text, name) for name in data if _is_data(name)]
+        return [os.path.join(folder, text, name) for name in data if "." in name and not name.endswith(".py")]
     for existing in (folder, os.path.dirname(folder)):
         if _entries(existing).get(text) is False:
             return [os.path.join(existing, text)]
-    if head != PACKAGE.name or text == READERS:
+    package, name = os.path.split(_sources().get(text, ""))
+    if name != "__init__.py" or text == READERS:
         return []
-    named = os.path.join(PACKAGE, *names)
-    modules = [name for name in _entries(named) if name.endswith(".py")] if _is_package(named) else []
-    return [*(_modules(text) if modules else ()), *(os.path.join(named, name) for name in modules)]
-
-
-def _is_data(name: str) -> bool:
-    return "." in name and not name.endswith(".py")
-
-
-def _is_package(folder: str) -> bool:
-    above, name = os.path.split(folder)
-    return name in _entries(above) and "__init__.py" in _entries(folder)
+    return [*_modules(text), *(path for path in _sources().values() if os.path.dirname(path) == package)]
 
 
 @cache
@@ -121,21 +111,21 @@ def _entries(folder: str) -> dict[str, bool]:
     return {}
 
 
-def _files(name: str, folder: str) -> tuple[str, ...]:
-    """Return the source files of this project that importing the module `name` runs."""
-    head = name.partition(".")[0]
-    if head == PACKAGE.name:
-        return _modules(name)
-    is_beside = head.startswith("_") and f"{head}.py" in _entries(folder)
-    return (os.path.join(folder, f"{head}.py"),) if is_beside else ()
+def _beside(name: str, folder: str) -> list[str]:
+    """Return the file of a module beside a script, whose name starts with _."""
+    file = f"{name.partition('.')[0]}.py"
+    return [os.path.join(folder, file)] if file.startswith("_") and file in _entries(folder) else []
+
+
+@cache
+def _sources() -> dict[str, str]:
+    """Return the file of each module of the package by its name with dots, of a package its `__init__.py`."""
+    paths = {path.relative_to(PACKAGE.parent).with_suffix(""): path for path in PACKAGE.rglob("*.py")}
+    return {".".join(name.parts).removesuffix(".__init__"): str(path) for name, path in paths.items()}
 
 
 @cache
 def _modules(name: str) -> tuple[str, ...]:
-    """Return the files of a module of the package, and of the packages that hold it."""
-    above, _, component = name.rpartition(".")
-    if not above:
-        return (os.path.join(PACKAGE, "__init__.py"),)
-    path = os.path.join(PACKAGE, *name.split(".")[1:])
-    module = (f"{path}.py",) if f"{component}.py" in _entries(os.path.dirname(path)) else ()
-    return (*_modules(above), *module, *((os.path.join(path, "__init__.py"),) if _is_package(path) else ()))
+    """Return the files of a module of the package, and of the packages that hold it; none of others."""
+    names = accumulate(name.split("."), "{}.{}".format)
+    return tuple(_sources()[above] for above in names if above in _sources())
