@@ -373,7 +373,7 @@ def test_no_bar_where_nobody_looks(small):
 
 
 def test_an_interruption_while_modules_are_imported_is_one_line():
-    """The installed program and `python -m` are the same module, which imports all others inside its `try`."""
+    """The installed program and `python -m` are the same module, which imports all others itself."""
     scripts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["scripts"]
     assert scripts == {"roughcontact": "roughcontact.interface.__main__:main"}
     interrupted = """
