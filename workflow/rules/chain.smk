@@ -96,7 +96,7 @@ rule panel:
         sources=sources_of("panel"),
         contact=file_of("contact"),
         statistics="results/{result}/statistics.nc",
-        courses=courses_of,
+        courses=lambda wildcards: PLAN.further_files(wildcards.result),
     output:
         panel=shown(
             "results/{result}/panel.html", "surface_panel", "figures and checks"

@@ -105,11 +105,6 @@ if stale := stale_results(PLAN.results):
     )
 
 
-def courses_of(wildcards):
-    """Return the files of unloading, wear and sliding of a result."""
-    return PLAN.further_files(wildcards.result)
-
-
 def shown(path, caption, holds):
     """Return a file as an output that `snakemake --report` shows."""
     category = "{result}" if "{result}" in path else "All surfaces"
