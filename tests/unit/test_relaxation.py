@@ -97,6 +97,25 @@ def test_a_comma_is_a_decimal_one_where_no_number_has_a_point(tmp_path):
             read_relaxation(path)
 
 
+def test_separators_at_the_ends_of_lines_are_no_column(tmp_path):
+    """As spreadsheets write them; a further number, as decimals with commas between commas make, is none."""
+    path = tmp_path / "dma.csv"
+    path.write_text("f,E',E'',\n1,2e6,3e5,\n2,3e6,3e5,\n3,3e6,4e5,\n,,,\n")
+    assert read_relaxation(path)["loss_modulus"].tolist() == [3e5, 3e5, 4e5]
+    path.write_text("f;E';E'';\nHz;MPa;MPa;\n0,1;2;0,3;\n2;3;0,3;\n3;3;0,4;")
+    assert read_relaxation(path)["loss_modulus"].tolist() == [3e5, 3e5, 4e5]
+    path.write_text("f,E',E''\n1,5,2,6,0,3\n2,5,3,6,0,3")
+    with pytest.raises(SettingsError, match="3 columns passed, passed data had 6"):
+        read_relaxation(path)
+
+
+@pytest.mark.parametrize("text", ["", "\n# nothing\n", "f,E',E''"])
+def test_a_table_without_rows_is_told(tmp_path, text):
+    (tmp_path / "dma.csv").write_text(text)
+    with pytest.raises(SettingsError, match="not read as a table: no rows of numbers below a heading; give"):
+        read_relaxation(tmp_path / "dma.csv")
+
+
 def test_the_softest_rubber_has_a_kilopascal():
     sweep = pd.DataFrame({"f": [1, 10, 100], "E' (Pa)": [1e3, 2e3, 3e3], "E''": [1e3, 1e3, 1e3]})
     assert read_relaxation(sweep)["storage_modulus"].min() == 1e3
@@ -126,7 +145,7 @@ def test_temperatures_may_have_their_scale():
     np.testing.assert_allclose(
         relaxation_of(kelvin).times, relaxation_of({"table": "PIB", "temperature": "0"}).times
     )
-    both = {"wlf": [8.86, 101.6], "reference_temperature": "20 °C", "temperature": "313.15 K"}
+    both = {"wlf": [8.86, "101.6 K"], "reference_temperature": "20 °C", "temperature": "313.15 K"}
     plain = {"wlf": [8.86, 101.6], "reference_temperature": 293.15, "temperature": 313.15}
     np.testing.assert_allclose(relaxation_of(SERIES | both).times, relaxation_of(SERIES | plain).times)
 

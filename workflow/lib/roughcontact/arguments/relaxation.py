@@ -166,7 +166,7 @@ def read_relaxation(table: str | Path | pd.DataFrame) -> pd.DataFrame:
     if not isinstance(table, pd.DataFrame):
         try:
             table = _table_of_text(Path(table).read_text(encoding="utf-8-sig", errors="replace"))
-        except (OSError, TypeError, ValueError, IndexError) as error:
+        except (OSError, TypeError, ValueError) as error:
             raise _refusal(
                 f"{name}: not read as a table: {str(error).strip()}; give a table (path or DataFrame), a "
                 f"mapping, or a name: {', '.join(compound_names())}"
@@ -238,13 +238,17 @@ def _table_of_text(text: str) -> pd.DataFrame:
 
     Lines above that of the headings are left out, and those that begin with #.
     """
-    lines = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    # a separator may end each line
+    lines = [line.strip().rstrip("\t;,") for line in text.splitlines() if not line.startswith("#")]
+    lines = [line for line in lines if line]
 
     def has_frequency(line: str) -> bool:
         roles = (_role(cell)[2] for cell in re.split(r"[\t;,]|\s{2,}", line))
         return any(column == "frequency" for column, *_ in roles)
 
     lines = lines[next((index for index, line in enumerate(lines) if has_frequency(line)), 0) :]
+    if len(lines) < 2:
+        raise ValueError("no rows of numbers below a heading")
     if not set("\t;,") & {*lines[0]}:
         lines = [re.sub(r"\s{2,}", "\t", line) for line in lines]
     separator = next((mark for mark in "\t;" if mark in lines[0]), ",")
@@ -305,7 +309,7 @@ def _shift(properties: Mapping[str, Any]) -> float:
             f"°C or both in K; given: {', '.join(given_keys)}"
         )
     try:
-        c1, c2 = map(float, properties["wlf"])
+        c1, c2 = (float(str(constant).removesuffix("K")) for constant in properties["wlf"])
         difference = celsius(properties["temperature"]) - celsius(properties["reference_temperature"])
     except (TypeError, ValueError) as error:
         text = ", ".join(f"{key} = {properties[key]!r}" for key in keys)
