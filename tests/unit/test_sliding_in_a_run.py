@@ -207,7 +207,9 @@ def test_the_page_says_where_friction_is_highest(slid, tmp_path):
     part = course_sections("ground", slid, tmp_path, tmp_path)["sliding"]
     (text,) = part["sentences"]
     speed = SPEEDS[int(slid[FRICTION].values.argmax())]
-    assert f"the friction of the hysteresis is highest at {speed:.2g}" in text.replace("0.0100", "0.01")
+    assert f"the friction of the hysteresis is highest at {speed:.2g} m/s, μ" in text.replace(
+        "0.0100", "0.01"
+    )
     at_speed = slid.isel(speed=int(slid[FRICTION].values.argmax()))
     by_area = (at_speed[f"adhesive_friction_coefficient{end}"] for end in ("", "_lower", "_upper"))
     middle, low, high = (number(float(value)) for value in by_area)
@@ -226,6 +228,17 @@ def test_the_page_says_where_friction_is_highest(slid, tmp_path):
         f"pressure at {speed:.3g} m/s",
         "share of the friction by wavelength",
     ]
+
+
+@pytest.mark.parametrize(
+    ("speeds", "words"), [([0], "only"), ([0, 1], "fastest"), ([1, 2], "slowest"), ([0, 1, 2], "")]
+)
+def test_a_friction_that_is_highest_at_an_end_of_the_speeds_says_so(slid, tmp_path, speeds, words):
+    assert int(slid[FRICTION].values.argmax()) == 1
+    write_dataset(slid.isel(speed=speeds), tmp_path / "sliding.nc")
+    (text,) = course_sections("ground", slid, tmp_path, tmp_path)["sliding"]["sentences"]
+    assert f" m/s, the {words} speed, μ = " in text or not words
+    assert text.count(" speed, ") == bool(words)
 
 
 def test_both_ways_have_their_own_intervals_and_are_side_by_side_on_the_page(tmp_path):

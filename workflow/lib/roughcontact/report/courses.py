@@ -114,7 +114,8 @@ def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
     index = int(np.argmax([way[FRICTION].item() for way in highest]))
     others = [_scalars(way) for way in highest if way is not highest[index]]
     misfit = float(over.attrs["relaxation_misfit"])  # of the table from every linear material
-    text = sentence("slides", _scalars(highest[index]), others, misfit, MAX_MISFIT, _warm_from(ways[index]))
+    speeds, warm = over["speed"].values.tolist(), _warm_from(ways[index])
+    text = sentence("slides", _scalars(highest[index]), others, speeds, misfit, MAX_MISFIT, warm)
     return [text], partial(_sliding_charts, over, ways, highest, index)
 
 
