@@ -76,6 +76,9 @@ def test_rectangles_that_do_not_fit_the_map(texts, message, rough):
     with pytest.raises(HeightMapError) as raised:
         used_region(rough, **texts)
     assert message in str(raised.value)
+    (key, text), *_ = texts.items()
+    with pytest.raises(HeightMapError, match=f"{key} = {text}: is of maps, and this is a profile; leave it"):
+        used_region(rough[:1], **texts)
 
 
 @pytest.mark.cases

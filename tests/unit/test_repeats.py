@@ -112,7 +112,7 @@ def test_noise_is_found_beside_holes_and_on_rounded_heights(rough, twice):
 
 def test_a_copy_is_no_repeat(rough):
     with pytest.raises(HeightMapError, match="have equal heights: a copy is no second measurement"):
-        noise_of_repeats(rough, rough.copy())
+        noise_of_repeats(rough, rough.where(rough["x"] > rough["x"][4]))  # a part of it masked
 
 
 def test_repeats_of_another_size_or_place_are_refused(rough):

@@ -73,6 +73,7 @@ def test_a_name_that_a_pair_needs_is_among_the_mistakes(tmp_path, shifts, clash)
 def test_a_first_row_that_is_no_place_is_named(tmp_path):
     (tmp_path / "surfaces.tsv").write_text(
         "surface\tpath\tfirst_row\tcounter_face\tcounter_face_first_row\na\tground.txt\tup\tground.txt\tleft\n"
+        "b\tground.txt\t\t\ttop\n"
     )
     (tmp_path / "ground.txt").write_text("1 2\n3 4\n")
     with pytest.raises(SettingsError) as caught:
@@ -80,3 +81,4 @@ def test_a_first_row_that_is_no_place_is_named(tmp_path):
     message = str(caught.value)
     assert "line 2, first_row = 'up': choose top or bottom" in message
     assert "line 2, counter_face_first_row = 'left': choose top or bottom" in message
+    assert "line 3, counter_face_first_row: is of a counter_face; name its file, or use first_row" in message

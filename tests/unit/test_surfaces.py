@@ -446,21 +446,26 @@ def test_a_place_before_pairs_surfaces_and_gives_no_noise(table):
 
 @pytest.mark.cases
 def test_places_that_contradict_one_another_are_refused_with_their_names(table, rows, message):
-    table_message = mistakes(table("surface\tpath\trepeat_of\tbefore\tgroup", *rows))
+    table_message = mistakes(table("surface\tpath\trepeat_of\tbefore\tgroup\tcrop", *rows))
     assert re.search(message if "->" in message else re.escape(message), table_message)
 
 
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        (("a\ta\t\t", "b\ta\t\t2x2"), "a and b-1-1 are the same file, a; leave one out"),
-        (("a\ta\tz1; z2\t", "b\ta\tz2;z3\t"), "a and b are the same file, a z2; leave one out"),
+        (("a\ta\t\t\t", "b\ta\t\t2x2\t"), "a and b-1-1 are the same file, a; leave one out"),
+        (("a\ta\tz1; z2\t\t", "b\ta\tz2;z3\t\t"), "a and b are the same file, a z2; leave one out"),
+        (("a\ta\t\t\t0 0 4 4 um", "b\ta\t\t\t3 0 6 4 um"), "a and b are the same file, a; leave one out"),
+        (("a\ta\t\t\t0 0 4 4 um", "b\ta\t\t\t"), "leave one out, or crop them apart"),
     ],
 )
 def test_what_maps_of_a_group_have_in_common_is_measured_once(table, rows, message):
-    header = "surface\tpath\tchannel\tparts\tgroup"
+    header = "surface\tpath\tchannel\tparts\tcrop\tgroup"
     assert message in mistakes(table(header, *(f"{row}\tg" for row in rows)))
-    assert len(read_surfaces(table(header, "a\ta\tz1; z2\t\tg", "b\ta\tz3\t2x2\tg"))) == 5
+    apart = "c\tc\t\t\t0 0 4 4 um\tg", "d\tc\t\t\t4 0 8 4 um\tg"
+    surfaces = read_surfaces(table(header, "a\ta\tz1; z2\t\t\tg", "b\ta\tz3\t2x2\t\tg", *apart))
+    # places of one map are of one workpiece, as its parts are
+    assert [row.specimen for row in surfaces.values()] == ["", *["b"] * 4, *["c"] * 2]
 
 
 @pytest.mark.parametrize(
@@ -503,8 +508,8 @@ def test_positions_of_overviews_are_one_for_each_file(table):
 @pytest.mark.parametrize(
     ("overview", "position", "mistake"),
     [
-        ("b.txt; c.txt", "elsewhere", "1 positions for 2 overviews; give one for each, between semicolons"),
-        ("", "elsewhere", "1 positions for 0 overviews"),
+        ("b.txt; c.txt", "elsewhere", "1 position for 2 overviews; give one for each, between semicolons"),
+        ("", "elsewhere", "1 position for 0 overviews"),
         ("b.txt", "300, 250 um", "must be x and y of the middle of the map, from the lower left corner"),
         ("b.txt", "300 250 bar", "bar"),
     ],

@@ -1,5 +1,6 @@
 """Where a map lies in an overview, as the column `overview_position` of the table of surfaces states it."""
 
+from roughcontact.arguments.quantities import counted_noun
 from roughcontact.arguments.units import lengths_in_text
 from roughcontact.errors import SettingsError
 
@@ -51,8 +52,9 @@ def separate_positions(text: str, number: int) -> list[str]:
     positions = [part.strip() for part in text.split(";")] if text.strip() else [""] * number
     if len(positions) != number:
         raise SettingsError(
-            f"{_COLUMN} = {text!r}: {len(positions)} positions for {number} overviews; give one for each, "
-            "between semicolons, empty where the map is to be found",
+            f"{_COLUMN} = {text!r}: {counted_noun(len(positions), 'position')} for "
+            f"{counted_noun(number, 'overview')}; give one for each, between semicolons, empty where the map "
+            "is to be found",
             keys=[_COLUMN],
         )
     return positions

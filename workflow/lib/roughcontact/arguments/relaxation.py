@@ -75,7 +75,7 @@ class Relaxation:
         if not shortest <= time <= longest:
             raise SettingsError(
                 f"relaxation: after {time:g} s the creep is not known, its table is of {shortest:.2g} to "
-                f"{longest:.2g} s",
+                f"{longest:.2g} s; choose times between, or extend the table",
                 keys=["time"],
             )
         poles, index = np.unique(1 / self.times, return_inverse=True)

@@ -160,7 +160,8 @@ def _rule(detail: ErrorDetails) -> str:
         return "needs exactly two bodies"
     # 1,5: a decimal comma has a rule of its own
     comma = error_type == "float_parsing" and re.search(r"\d,\d", str(detail["input"]))
-    kind = "decimal_comma" if comma else error_type
+    share = error_type == "float_parsing" and str(detail["input"]).rstrip().endswith("%")
+    kind = "decimal_comma" if comma else "percent" if share else error_type
     rules = (rule.format(**detail.get("ctx", {})) for start, rule in _RULES if kind.startswith(start))
     return next(rules, detail["msg"])
 

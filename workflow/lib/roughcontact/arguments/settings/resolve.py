@@ -182,8 +182,24 @@ def _mistakes_in_creep(contact: Mapping[str, Any]) -> Mistakes:
         yield "contact.bodies", f": layers creep otherwise than a body; leave {key} out"
     if contact["time"] and creeping:
         yield "contact.time", ": is of a relaxation; a creep_modulus has its own times"
+    if contact["time"]:
+        yield from _mistakes_in_times(bodies, contact["time"])
     if len({tuple(body["creep_modulus"]) for body in creeping}) > 1:
         yield "contact.bodies", ": both creep moduli need the same times, in the same order"
+
+
+def _mistakes_in_times(bodies: Sequence[Mapping[str, Any]], times: Sequence[float]) -> Mistakes:
+    """Yield the times at which the relaxation of a body does not tell its creep."""
+    from roughcontact.arguments import relaxation  # with all that reads tables
+
+    for stated in (body["relaxation"] for body in bodies if body["relaxation"]):
+        try:
+            series = relaxation.relaxation_of(stated)
+            for time in times:
+                series.creep_modulus(time)
+        except SettingsError as error:
+            if "time" in error.keys:  # else it is told of the body
+                yield "contact.time", f": {error}"
 
 
 def _mistakes_in_courses(settings: Mapping[str, Any]) -> Mistakes:
@@ -213,12 +229,12 @@ def _mistakes_in_sliding(sliding: Mapping[str, Any], contact: Mapping[str, Any])
     """Yield what is wrong with the sliding of rubber."""
     bodies = contact["bodies"] or ()
     relaxing = [body for body in bodies if body["relaxation"]]
-    if len({*sliding["direction"]}) < len(sliding["direction"]):
+    if len({angle % 360 for angle in sliding["direction"]}) < len(sliding["direction"]):
         yield "sliding.direction", ": give each direction once"
     if not sliding["speed"]:
         return
     if len(relaxing) != 1:
-        text = ": needs the relaxation of one of the bodies: bodies: [{relaxation: dma.csv}, rigid]"
+        text = ": needs the relaxation of one of the bodies alone: bodies: [{relaxation: dma.csv}, rigid]"
         yield "sliding.speed", text
     elif properties_of_bodies(bodies):
         yield "sliding.speed", ": is of bodies without layers"

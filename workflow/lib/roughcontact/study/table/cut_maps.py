@@ -1,6 +1,5 @@
 """Maps that are cut: their tiles `map-1-1`, `map-2-1` ... (along x, along y) are surfaces of their own."""
 
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import astuple, replace
 
@@ -43,24 +42,34 @@ def mistakes_in_parts(surfaces: Mapping[str, Surface]) -> Iterator[SettingsError
 def with_parts(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
     """Return the rows, with its tiles in place of each map that is cut.
 
-    Where its group has other maps as well, the tiles of a map are of one specimen, as they lie side by side.
+    Where its group has other maps as well, the tiles of a map are of one specimen, as they lie side by side;
+    so are several crops of one.
     """
-    sizes = Counter(row.group for row in surfaces.values())
+    maps: dict[str, dict[tuple[str, ...], list[str]]] = {}  # of each group: the rows of every measured map
+    for name, row in surfaces.items():
+        maps.setdefault(row.group, {}).setdefault(_measured_map(row), []).append(name)
     rows: dict[str, Surface] = {}
     for name, row in surfaces.items():
-        specimen = row.specimen or (name if row.group and sizes[row.group] > 1 else "")
+        crops = maps[row.group][_measured_map(row)]
+        is_cut = bool(row.parts) or len(crops) > 1
+        is_one_specimen = row.group and is_cut and len(maps[row.group]) > 1
+        of_specimen = replace(row, specimen=row.specimen or (crops[0] if is_one_specimen else ""))
         tiles = [
             replace(
-                row,
+                of_specimen,
                 name=_name(row, tile),
                 read_arguments=row.read_arguments | {TILES: [*astuple(tile)]},
                 group=row.group or name,
-                specimen=specimen,
             )
             for tile in (parse_tiles(row.parts) if row.parts else ())
         ]
-        rows |= {part.name: part for part in tiles or [row]}
+        rows |= {part.name: part for part in tiles or [of_specimen]}
     return rows
+
+
+def _measured_map(row: Surface) -> tuple[str, ...]:
+    """Return what rows that are cut out of one measured map have in common."""
+    return (*(str(file.path) for file in row.files()), str(row.read_arguments.get("channel", "")))
 
 
 def _name(row: Surface, tile: Tile) -> str:

@@ -2,9 +2,12 @@
 
 from collections.abc import Iterator, Mapping
 
+import numpy as np
+
+from roughcontact.arguments.rectangles import parse_rectangles
 from roughcontact.arguments.settings.messages import name_mistake
 from roughcontact.errors import SettingsError
-from roughcontact.study.table.columns import GROUP, SPECIMEN, TILES
+from roughcontact.study.table.columns import GROUP, REGION, SPECIMEN, TILES
 from roughcontact.study.table.row import Surface, in_cell
 
 
@@ -28,19 +31,32 @@ def mistakes_in_groups(surfaces: Mapping[str, Surface]) -> Iterator[SettingsErro
             yield in_cell(rows[0], GROUP, f"{cell}: {wrong}")
         if name in surfaces:
             yield in_cell(rows[0], GROUP, f"{cell}: a surface has this name as well; rename one")
-        read: dict[str, Surface] = {}
+        read: dict[str, list[Surface]] = {}
         for row in rows:
-            arguments = {key: value for key, value in row.read_arguments.items() if key != TILES}
+            arguments = {key: cell for key, cell in row.read_arguments.items() if key not in (TILES, *REGION)}
             channels = arguments.pop("channel", "").split(";")  # of profiles several
             for channel in dict.fromkeys(map(str.strip, channels)):
                 files = [str(file.path) for file in row.files()]
-                original = read.setdefault(f"{files} {channel} {arguments}", row)
-                if original.origin != row.origin:
-                    file = f"{row.path} {channel}".strip()
-                    text = f"{cell}: {original.name} and {row.name} are the same file, {file}; leave one out"
-                    yield in_cell(rows[0], GROUP, text)
+                originals = read.setdefault(f"{files} {channel} {arguments}", [])
+                for original in originals:
+                    if original.origin != row.origin and _share_points(original, row):
+                        file = f"{row.path} {channel}".strip()
+                        text = f"{cell}: {original.name} and {row.name} are the same file, {file}"
+                        yield in_cell(rows[0], GROUP, f"{text}; leave one out, or crop them apart")
+                originals.append(row)
         if len(rows) == 1 == len(rows[0].files()):
             text = (
                 f"{cell}: has {rows[0].name} alone; name further maps of the finish, or leave the cell empty"
             )
             yield in_cell(rows[0], GROUP, text)
+
+
+def _share_points(*rows: Surface) -> bool:
+    """Return whether two maps of one file may have points in common: what their crops show overlaps."""
+    cells = [row.read_arguments.get("crop", "") for row in rows]
+    try:
+        crops = [rectangle for cell in cells for rectangle in parse_rectangles("crop", cell)]
+    except SettingsError:  # told of its cell
+        return False
+    lower, upper = np.array(crops).reshape(-1, 2, 2).swapaxes(0, 1)
+    return len(crops) < len(rows) or bool((lower.max(axis=0) < upper.min(axis=0)).all())

@@ -74,7 +74,8 @@ def _mistake_in_before(surfaces: Mapping[str, Surface], row: Surface, earlier: S
     """Return what a surface and the same place before cannot be, empty where nothing is wrong."""
     if _first_repeated(surfaces, row.name) == _first_repeated(surfaces, earlier.name):
         return f"repeats as well ({REPEAT}), with nothing done in between; choose one"
-    if (row.path, row.read_arguments) == (earlier.path, earlier.read_arguments):
+    files = [(map_.path, map_.read_arguments.get("channel")) for map_ in (row, earlier)]
+    if files[0] == files[1]:  # whatever is cut out of it
         return f"the same file, {row.path}; name the file of each"
     return ""
 

@@ -43,7 +43,8 @@ def noise_of_repeats(height: xr.DataArray, repeat: xr.DataArray) -> tuple[float,
     """
     check_repeat(height, repeat)
     names = [height.attrs.get("source_file") or "a map" for height in (height, repeat)]
-    if np.array_equal(height.values, repeat.values, equal_nan=True):
+    difference = np.abs(height.values - repeat.values)  # NaN where one of them was not measured
+    if np.isfinite(difference).any() and not np.nanmax(difference):
         raise HeightMapError(
             f"repeat_of: {names[0]} and {names[1]} have equal heights: a copy is no second measurement; name "
             "the file of the second one, or leave repeat_of empty"

@@ -9,7 +9,7 @@ from typing import Any
 
 import xarray as xr
 
-from roughcontact.arguments.maps import side_lengths, spacing
+from roughcontact.arguments.maps import dimensions, side_lengths, spacing
 from roughcontact.arguments.measurement import add_remark
 from roughcontact.arguments.quantities import counted_noun, percent, quantity
 from roughcontact.arguments.rectangles import Rectangle, parse_rectangles
@@ -60,6 +60,9 @@ def used_region(height: xr.DataArray, *, crop: str = "", mask: str = "") -> xr.D
     if not crop and not mask:
         return height
     name, remarks = height.attrs.get("source_file") or "the map", height.attrs
+    if dimensions(height.shape) < 2:
+        key, text = ("crop", crop) if crop else ("mask", mask)
+        raise HeightMapError(f"{name}: {key} = {text}: is of maps, and this is a profile; leave it empty")
     used = height
     for rectangle in parse_rectangles("mask", mask):
         used = used.where(~_inside(height, rectangle, f"{name}: mask = {mask}"))
