@@ -167,7 +167,8 @@ def _row_of_positions(values: np.ndarray) -> int:
 def _progression(line: np.ndarray, rows: np.ndarray) -> float | None:
     """Return the step of an even progression that most of the others are not, else None."""
     step = _step(line) if np.isfinite(line).all() else None
-    even = [abs(row_step) for row in rows[:_COMPARED] if (row_step := _step(row)) is not None]
+    # beside a line that is uneven, as those of most maps are, no other line counts
+    even = [abs(row_step) for row in rows[:_COMPARED] if step and (row_step := _step(row)) is not None]
     # heights on a tilted plane are even too: positions stand out among the other rows, or are no positions
     like_rows = step is not None and even and min(even) / _STEP_RATIO <= abs(step) <= max(even) * _STEP_RATIO
     return None if like_rows and 2 * len(even) > len(rows[:_COMPARED]) else step
