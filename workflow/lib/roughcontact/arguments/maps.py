@@ -142,6 +142,23 @@ def spacing(height: xr.DataArray) -> tuple[float, float]:
     return steps.get("y", only_step), steps.get("x", only_step)
 
 
+def merged(height: xr.DataArray, count: int) -> xr.DataArray:
+    """Return a map (y, x) whose pixels are the means of so many along each axis; a rest at the end is cut.
+
+    Its axes begin at the first point. On small maps `coarsen` of xarray takes a hundred times as long.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> merged(height_map(np.arange(10.0).reshape(2, 5), 1.0), 2).values
+    array([[3., 5.]])
+    """
+    ny, nx = (points // count for points in height.shape)
+    blocks = height.values[: ny * count, : nx * count].reshape(ny, count, nx, count)
+    thinned = height[: ny * count : count, : nx * count : count]
+    return thinned.copy(deep=False, data=blocks.mean(axis=(1, 3)))
+
+
 def side_lengths(height: xr.DataArray) -> tuple[float, float]:
     """Return the lengths (y, x) of both sides of an evenly spaced map, one pitch for a single cell.
 

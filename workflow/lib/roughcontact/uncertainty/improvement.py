@@ -95,10 +95,10 @@ def add_overview_line(statistics: xr.Dataset) -> xr.Dataset:
     """
     if f"{AREA}_alone_lower" not in statistics:
         return statistics
-    at_load = statistics.isel(load=_typical_load(statistics))
-    phrases = []
+    load, phrases = _typical_load(statistics), []
     for name, word in ((GAP, "gap"), (AREA, "contact area")):
-        value, *bounds = (float(at_load[f"{name}{k}"]) for k in (*ENDS, "_alone_lower", "_alone_upper"))
+        columns = (statistics[f"{name}{ending}"] for ending in (*ENDS, "_alone_lower", "_alone_upper"))
+        value, *bounds = (float(column.values[load]) for column in columns)
         now, by_map = (precision_in_words(value, low, high) for low, high in (bounds[:2], bounds[2:]))
         if now != by_map:
             phrases.append(f"{word} known {now} ({by_map} without the overview)")

@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.maps import side_lengths, spacing
+from roughcontact.arguments.maps import merged, side_lengths, spacing
 from roughcontact.arguments.quantities import number as number_text
 from roughcontact.surface.faces import placing
 from roughcontact.surface.levelling.forms import form_order
@@ -186,7 +186,7 @@ def transfers_of(
     options |= {"correct_for": None}
     places = [overview.isel(window) for window in windows_of_places(footprint.shape, overview)]
     pieces = [relevelled(piece, order) for piece in (footprint, *places, overview)]
-    coarser = [piece.coarsen(y=2, x=2, boundary="trim").mean() for piece in pieces[:-1]]
+    coarser = [merged(piece, 2) for piece in pieces[:-1]]
     own_window, *windows = (subwindow(piece, **options) for piece in pieces)
     coarser_own, *coarser_windows = (subwindow(piece, **options) for piece in coarser)
     at_places = _results(result, own_window, [own_window, *windows])

@@ -135,7 +135,7 @@ def relevelled(area: xr.DataArray, order: int) -> xr.DataArray:
     if not order:
         return area
     coordinates = [np.arange(n, dtype=float) for n in area.shape]
-    return area.copy(data=area.values - fit_polynomial(area.values, coordinates, order=order)[0])
+    return area.copy(deep=False, data=area.values - fit_polynomial(area.values, coordinates, order=order)[0])
 
 
 def divided(region: Slices, step: tuple[float, float], number: int, shortest: float = 0.0) -> list[Slices]:

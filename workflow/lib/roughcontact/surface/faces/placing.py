@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from roughcontact.arguments.maps import dimensions, height_map, side_lengths, spacing
+from roughcontact.arguments.maps import dimensions, height_map, merged, side_lengths, spacing
 from roughcontact.arguments.positions import ELSEWHERE, parse_position
 from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.errors import HeightMapError
@@ -217,13 +217,12 @@ def best_place(fine: xr.DataArray, overview: xr.DataArray) -> Place:
     steps = np.array(spacing(overview))
     # angles and scales are tried on a coarse overview, and refined on the full one
     coarsening = max(1, int((side_lengths(fine) / steps).min() // _SEARCHED_POINTS))
-    small = overview.coarsen(y=coarsening, x=coarsening, boundary="trim").mean()
-    search = _Search(fine, small, order)
+    search = _Search(fine, merged(overview, coarsening), order)
     angle, scale = search.strides
     angles = np.arange(-(_MAX_ANGLE // angle), _MAX_ANGLE // angle + 1) * angle
     scales = np.arange(-(_MAX_SCALING // scale), _MAX_SCALING // scale + 1) * scale
     best = max(product(angles, 1 + scales), key=search.height)
-    search = _Search(fine, overview, order)
+    search = _Search(fine, overview, order) if coarsening > 1 else search
     step = 0.5 * np.array([angle, scale])
     # halved where no neighbour fits better
     while step[0] >= search.strides[0] * _LEAST_SHIFT / _SEARCHED_SHIFT:

@@ -164,8 +164,13 @@ def subwindow(
     The options are those of `periodic_window`, of which placement and least share do not count.
     """
     fade = width if method in _BLENDING_METHODS else 0.0
-    periodic_part = _cut_out(part, _largest_cut(part, part.values, fade, 0.0), method=method, width=width)
-    periodic_part = periodic_part.assign_attrs(part.attrs, periodisation=method)
+    cut, steps = _largest_cut(part, part.values, fade, 0.0), spacing(part)
+    heights = part.values[tuple(slice(s, s + u) for s, u in zip(cut.start, cut.used, strict=True))]
+    heights = _made_periodic(heights, method, cut.band, width, steps)
+    # of plain axes: labelling takes longer than the solution of a small window
+    axes = {d: s * np.arange(n) for d, s, n in zip("yx", steps, heights.shape, strict=True)}
+    attrs = {**part.attrs, "periodisation": method}
+    periodic_part = xr.DataArray(heights, axes, ("y", "x"), "height", attrs)
     return in_band(corrected(periodic_part, correct_for) if correct_for else periodic_part, **band)
 
 
@@ -173,13 +178,13 @@ def _cut_out(height: xr.DataArray, cut: _Cut, *, method: WindowMethod, width: fl
     """Return the cut-out made periodic."""
     step, band = spacing(height), cut.band
     part = height.isel({d: slice(s, s + u) for d, s, u in zip("yx", cut.start, cut.used, strict=True)})
-    heights, flags = _made_periodic(part, method, band, width, step)
+    heights = _made_periodic(part.values, method, band, width, step)
     coords = {
         # from the first point in even steps, as a mirrored map has no coordinates to take over
         d: xr.Variable(d, part[d].values[b // 2] + s * np.arange(n), part[d].attrs)
         for d, b, s, n in zip("yx", band, step, heights.shape, strict=True)
     }
-    coords["filled"] = xr.Variable(("y", "x"), flags)
+    coords["filled"] = xr.Variable(("y", "x"), _filled_in_window(part, method, band))
     return xr.DataArray(heights, dims=("y", "x"), coords=coords, name="height")
 
 
@@ -223,23 +228,31 @@ def _centre(rectangle: np.ndarray, rows: int) -> int:
 
 
 def _made_periodic(
-    part: xr.DataArray, method: str, band: list[int], width: float, step: tuple[float, float]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the heights of a cut-out made periodic, and the mask of those that depend on filled points."""
-    heights, flags = np.asarray(part.values, dtype=float), _filled_points(part)
+    heights: np.ndarray, method: str, band: list[int], width: float, step: tuple[float, float]
+) -> np.ndarray:
+    """Return the heights of a cut-out made periodic."""
+    heights = np.asarray(heights, dtype=float)
     if method == "mirror":
-        return periodisation.mirror(heights), periodisation.mirror(flags)
+        return periodisation.mirror(heights)
     if method == "taper":
-        return periodisation.taper(heights, width), flags
+        return periodisation.taper(heights, width)
     if method == "periodic-plus-smooth":
-        return periodisation.periodic_plus_smooth(heights, step), flags
+        return periodisation.periodic_plus_smooth(heights, step)
     if method == "raw":
-        return heights, flags
-    # a blended point counts as filled where a filled one contributes to it, by more than rounding
-    flags = (periodisation.cross_fade(flags.astype(float), band) > 1e-9).astype(np.int8)
+        return heights
     if method == "cross-fade":
-        return periodisation.cross_fade(heights, band), flags
-    return periodisation.smooth_cross_fade(heights, band, step), flags
+        return periodisation.cross_fade(heights, band)
+    return periodisation.smooth_cross_fade(heights, band, step)
+
+
+def _filled_in_window(part: xr.DataArray, method: str, band: list[int]) -> np.ndarray:
+    """Return the mask of the points of a cut-out made periodic that depend on filled ones."""
+    flags = _filled_points(part)
+    if method == "mirror":
+        return periodisation.mirror(flags)
+    # a blended point counts as filled where a filled one contributes to it, by more than rounding
+    faded = periodisation.cross_fade(flags.astype(float), band) if any(band) else flags
+    return (faded > 1e-9).astype(np.int8)
 
 
 def _already_periodic(height: xr.DataArray, values: np.ndarray) -> tuple[xr.DataArray, str] | None:

@@ -110,23 +110,23 @@ def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool =
     values = values - mean
     # before any blending: a transposed map then has the same result
     correlations = [
-        _correlation(v[..., :n], v[..., v.shape[-1] - n :]) if n else 1.0
+        _correlation(v[..., :n], v[..., v.shape[-1] - n :]) if keep_variance and n else 1.0
         for v, n in zip((values.T, values), band, strict=True)
     ]
     for axis, points in enumerate(band):
         if points:
-            values = np.moveaxis(values, axis, -1)
-            length = values.shape[-1] - points
+            values = values.swapaxes(axis, -1)
+            length, half = values.shape[-1] - points, points // 2
             weight = np.sin(np.pi / 2 * (np.arange(points) + 0.5) / points) ** 2
             blend = weight * values[..., :points] + (1 - weight) * values[..., length:]
             if keep_variance:
                 product = weight * (1 - weight)
                 # weights w and 1 - w of parts of correlation c leave the variance 1 - 2 w (1 - w) (1 - c)
                 blend /= np.sqrt(1 - 2 * product * (1 - correlations[axis]))
-            values = np.concatenate([blend, values[..., points:length]], axis=-1)
-            del blend
             # half of the band at each end, so that the window lies in the middle of its part
-            values = np.moveaxis(np.roll(values, -(points // 2), axis=-1), -1, axis)
+            pieces = [blend[..., half:], values[..., points:length], blend[..., :half]]
+            values = np.concatenate(pieces, axis=-1).swapaxes(axis, -1)
+            del blend, pieces
     values += mean
     return values
 
