@@ -199,6 +199,15 @@ def test_all_mistakes_at_once():
     ]
 
 
+def test_an_unknown_material_hides_no_other_mistake():
+    contact = {"bodies": ["Stahl", "steel"], "mean_pressure": ["2,5 MPa"]}
+    lines = mistakes({"contact": contact, "statistics": {"joint": {"area": "3 kg"}}})
+    names = ["contact.bodies", "contact.mean_pressure[0]", "statistics.joint.area"]
+    assert [line.split(":")[0].split(" ")[0] for line in lines] == names
+    (alone,) = mistakes({"contact": contact | {"mean_pressure": "2.5 MPa"}})
+    assert alone.startswith("contact.bodies: 'Stahl' is no material of the table")
+
+
 def test_cases_lie_over_the_settings_above():
     cases = resolve(
         {

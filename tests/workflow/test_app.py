@@ -630,7 +630,7 @@ class TestMap:
             assert (float(length), float(heights)) == pytest.approx((100, 10), rel=0.02)
             # a chart, with units
             chart = urllib.parse.unquote(browser.evaluate("document.querySelector('#cut').src"))
-            assert re.search(">x \\(µm\\)<.*>height \\(µm\\)<", chart)
+            assert re.search(">along the line \\(µm\\)<.*>height \\(µm\\)<", chart)
             assert browser.evaluate("document.querySelector('#cut').naturalWidth") > 300
             click(browser, "[name=tool][value=zoom]")
             drag(browser, (0.5, 0.5), (0.75, 0.75))
@@ -1777,7 +1777,7 @@ class TestForm:
         page.after(STUDY | {"rows.0.path": "measured/three.npy"})
         page.reader.inspected(page.rows)
         page.reader.pool.submit(int).result()  # all before it are read
-        assert reason in page.html()
+        assert f'{reason}: <a href="#row-0">' in page.html()
         assert re.search('id="start"[^>]* aria-disabled=true', page.html())
         with pytest.raises(SettingsError, match="nothing is started"):
             page.after({"page.do": "start"})

@@ -70,15 +70,19 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
 
     combination = _merge(base, overrides)
     mistakes = in_case(_mistakes_in_alternatives(combination))
+    no_bodies: list[SettingsError] = []
     try:
         relaxation_mistakes = _complete_bodies(combination["contact"])
     except SettingsError as error:
-        # without bodies nothing else can be checked
-        return {}, [*mistakes, *in_case([("contact.bodies", f": {error}")])]
+        no_bodies = in_case([("contact.bodies", f": {error}")])
+        mistakes += no_bodies
+        combination["contact"] = combination["contact"] | {"bodies": None}
     try:
         settings = Settings.model_validate(combination).model_dump(mode="json", exclude={"cases"})
     except ValidationError as error:
         return {}, [*mistakes, *(mistake(name, overrides, detail) for detail in error.errors())]
+    if no_bodies:  # of what is formally right nothing more can be checked without them
+        return {}, mistakes
     contact = settings["contact"]
     try:
         if contact["bodies"]:

@@ -4,6 +4,7 @@ import os
 import re
 from collections.abc import AsyncIterable, Iterable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from functools import lru_cache
 from itertools import chain, count
 from math import ceil
@@ -63,9 +64,9 @@ class Reader:
         return inspections
 
 
-def unread(rows: Iterable[tuple[Row, Mapping[str, Any]]]) -> int:
-    """Return of how many rows the file has been looked at and cannot be read as it is."""
-    return sum(bool(inspection["key"]) and not inspection["map"] for _, inspection in rows)
+def unread(rows: Iterable[tuple[Row, Mapping[str, Any]]]) -> list[int]:
+    """Return the numbers of the rows whose file has been looked at and cannot be read as it is."""
+    return [number for number, (_, found) in enumerate(rows) if found["key"] and not found["map"]]
 
 
 def _key(row: Row) -> str:
@@ -116,9 +117,11 @@ def _picture(heights: np.ndarray, scale: Sequence[float]) -> str:
     return picture
 
 
-def _curve(heights: np.ndarray, step: float) -> str:
+def _curve(heights: np.ndarray, step: float, *, along: str = "x") -> str:
     """Return a chart of heights (m) along a line with even steps (m) as a data URI."""
-    return map_plots.height_map(maps.height_map(heights[None], step)).source()
+    chart = map_plots.height_map(maps.height_map(heights[None], step))
+    chart.x = replace(chart.x, label=chart.x.label.replace("x", along))
+    return chart.source()
 
 
 @lru_cache(maxsize=1)  # a cursor reads once
@@ -151,7 +154,7 @@ def cut(row: Row, line: str) -> dict[str, str]:
     if not measured.size:
         return {"words": f"{words}not measured", "chart": ""}
     value = np.ptp(measured) if length else measured[0]
-    chart = _curve(along, length / (_CUT - 1)) if length else ""
+    chart = _curve(along, length / (_CUT - 1), along="along the line") if length else ""
     return {"words": words + quantity(float(value), "m"), "chart": chart}
 
 

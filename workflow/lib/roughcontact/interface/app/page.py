@@ -89,7 +89,9 @@ class Page:
         if action == "cancel":
             self.run.cancel()
         if action == "start":
-            if self.checked["mistakes"] or 0 < len(rows) == measurements.unread(self.reader.inspected(rows)):
+            if self.checked["mistakes"] or 0 < len(rows) == len(
+                measurements.unread(self.reader.inspected(rows))
+            ):
                 raise SettingsError("nothing is started: correct first what is listed under 4 Run")
             self.run.start()
         return self.html()
