@@ -15,7 +15,7 @@ def read(tmp_path):
     def of_rows(*rows, header="surface\tpath\tparts\tgroup\tpart"):
         table = tmp_path / "surfaces.tsv"
         table.write_text("\n".join([header, *rows]) + "\n")
-        return read_surfaces(table, placements_each=2)
+        return read_surfaces(table)
 
     return of_rows
 

@@ -8,6 +8,8 @@ import pytest
 
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.study.plan import NO_NAME, Plan, regex_of_names
+from roughcontact.study.table.columns import PAIR, PAIR_FIRST_ROW
+from roughcontact.study.table.pairs import with_faces
 from roughcontact.study.table.row import Surface
 
 RAW = {"window": {"method": "raw"}}
@@ -25,7 +27,8 @@ def plan(cases=None, *, pair=False, path="ground.x3p", overview="", **sections):
     name = "seal" if pair else "ground"
     cells = {"dx": 2.0} | ({"overview": [{"path": overview}]} if overview else {})
     surface = Surface(name, Path(path), "table.tsv, line 2", cells)
-    surface = surface.with_counter_face(Path("other.x3p")) if pair else surface
+    row = {PAIR: "other.x3p" if pair else "", PAIR_FIRST_ROW: ""}
+    surface = with_faces(surface, row, Path)
     return Plan(resolve(settings | {"composite": {"shifts": 2}}), {name: surface})
 
 

@@ -39,7 +39,7 @@ def named(name, factors, *, parts=None, placements=False, hardness=None):
         for factor in factors
     ]
     answer = rc.group_statistics(maps, parts=parts, placements=placements)
-    return NamedGroup(name, None, answer, placements)
+    return NamedGroup(name, None, answer)
 
 
 def test_a_group_has_its_interval_the_next_map_and_a_scatter_without_plus_minus():

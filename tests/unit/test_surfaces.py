@@ -90,14 +90,18 @@ def test_a_row_with_a_counter_face_is_a_pair(table, tmp_path):
     )
 
 
-@pytest.mark.parametrize(("name", "clash"), [("seal-2", True), ("seal-face", True), ("seal-3", False)])
+@pytest.mark.parametrize(
+    ("name", "clash"),
+    [("seal-2", True), ("Seal-30", True), ("seal-face", True), ("seal-counter-face", True)]
+    + [(name, False) for name in ("seal-0", "seal-03", "seal-3-b", "seals-3", "seal-b", "counter-face")],
+)
 def test_a_name_that_a_pair_needs(table, name, clash):
     path = table("surface\tpath\tcounter_face", "seal\ta\tb", f"{name}\tc")
     if not clash:
-        assert len(placements(read_surfaces(path, placements_each=2), 2)) == 2
+        assert len(placements(read_surfaces(path), 2)) == 2
         return
     with pytest.raises(SettingsError, match=f"line 3, surface = {name}: the pair seal "):
-        read_surfaces(path, placements_each=2)
+        read_surfaces(path)
 
 
 def test_the_working_directory_comes_before_the_folder_of_the_table(table, tmp_path, monkeypatch):
@@ -345,7 +349,7 @@ def test_a_path_too_long_for_any_file_is_no_such_file(table):
 def test_the_pair_that_needs_a_name_is_named(table, name):
     path = table("surface\tpath\tcounter_face\tdx", "seal\ta\tb\t-1", f"{name}\tc\t1")
     with pytest.raises(SettingsError) as caught:
-        read_surfaces(path, placements_each=1)
+        read_surfaces(path)
     assert str(caught.value).splitlines()[1:] == [
         (
             "  line 2, dx = '-1': must be a number greater than 0 (decimal point), in `unit` or with its own "

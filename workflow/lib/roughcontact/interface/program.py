@@ -46,9 +46,8 @@ _Run = Callable[[argparse.Namespace], int]
 _Extension = Callable[[argparse.ArgumentParser], None]
 _TYPES: dict[str, Callable[[str], Any]] = {"path": Path, "integer": int, "number": float}
 
-# options of `init` for other settings, and for columns of the table
+# options of `init` for other settings
 _INITIAL = ("contact.mean_pressure", "contact.force", "contact.area", "form.radius", "level.form")
-_COLUMNS = ("lay", "parts", "counter_face", "overview")
 _GROUP = (
     "name of a finish or a workpiece, and its maps, whose numbers then stand together; again for the next, "
     "with which it is compared. Without files: of all maps"
@@ -170,7 +169,7 @@ def _endings(content: Mapping[str, str]) -> str:
 def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
     """Add the options of `init` for materials, loads, form, columns of the table and what is derived."""
     from roughcontact.interface.command_line.options import COURSES, add_body, add_derived, add_setting
-    from roughcontact.study.table.columns import column_meaning
+    from roughcontact.study.table.columns import OF_ALL_FILES, column_meaning
 
     add_body(parser)
     for name in _INITIAL:
@@ -179,7 +178,7 @@ def _add_initial_settings(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--unload", dest="contact.unload", action="store_const", const=True, help=text)
     metavar = ("NAME", "FILE")
     parser.add_argument("--group", nargs="+", action="append", default=[], metavar=metavar, help=_GROUP)
-    for column in _COLUMNS:
+    for column in OF_ALL_FILES:
         option = f"--{column.replace('_', '-')}"
         parser.add_argument(option, metavar="TEXT", help=column_meaning(column))
     add_derived(parser, COURSES)
@@ -296,6 +295,7 @@ def _init(options: argparse.Namespace) -> int:
     """Write settings and table, and print the next steps."""
     from roughcontact.interface.command_line.options import initial_settings, message_with_options
     from roughcontact.interface.command_line.project import collect_files, problems, write_project
+    from roughcontact.study.table.columns import OF_ALL_FILES, PAIR
 
     files, omissions = collect_files(options.files)
     groups: dict[str, str] = {}  # file -> name
@@ -305,11 +305,11 @@ def _init(options: argparse.Namespace) -> int:
             raise SettingsError(f"--group {name}: {duplicates[0]} is in {groups[duplicates[0]]} already")
         groups |= dict.fromkeys(of_group, name)
         omissions += others_in_folder
-    if options.before and options.counter_face:
+    columns = {name: value for name in OF_ALL_FILES if (value := getattr(options, name))}
+    if options.before and PAIR in columns:
         raise SettingsError("--before, --counter-face: only single maps are compared; leave one of them out")
     earlier_files, _ = collect_files([options.before] if options.before else [])
     files = list(dict.fromkeys([*earlier_files, *files, *groups]))
-    columns = {name: value for name in _COLUMNS if (value := getattr(options, name))}
     sections = initial_settings(options)
     try:
         config, table = write_project(

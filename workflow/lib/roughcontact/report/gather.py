@@ -108,13 +108,14 @@ def group_answers(
         if not solved:
             continue
         maps, parts_solved = [of_case[map_] for map_ in solved], [parts[map_] for map_ in solved]
-        of_group: dict[str, Any] = {"group": name, "placements": name in pairs}
         try:
-            result = group_statistics(maps, names=solved, parts=parts_solved, **of_group)
+            result = group_statistics(
+                maps, names=solved, parts=parts_solved, group=name, placements=name in pairs
+            )
         except RoughContactError as error:
             omissions.append(f"{error}{f' (case {case})' if case else ''}")
         else:
-            answers.append(NamedGroup(name, case or None, result, name in pairs))
+            answers.append(NamedGroup(name, case or None, result))
     return answers, omissions
 
 

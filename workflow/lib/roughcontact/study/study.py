@@ -4,10 +4,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from roughcontact.arguments.kinds import PERIODIC_MAP
-from roughcontact.arguments.settings.models import Composite, Settings
+from roughcontact.arguments.settings.models import Settings
 from roughcontact.arguments.settings.resolve import resolve
 from roughcontact.errors import SettingsError
 from roughcontact.study.places import find_file
@@ -42,8 +40,8 @@ def read_study(
     table = config.get("surfaces", Settings.model_fields["surfaces"].default)
     if isinstance(table, str) and table:  # otherwise it is among the mistakes in the settings
         try:
-            path, count = find_file(table, folders) or table, _placements_each(config)
-            surfaces = read_surfaces(path, measured_in, files_exist=not checked, placements_each=count)
+            path = find_file(table, folders) or table
+            surfaces = read_surfaces(path, measured_in, files_exist=not checked)
         except SettingsError as error:
             errors.append(error)
     errors += [
@@ -65,12 +63,3 @@ def read_study(
         mistakes = [mistake for error in errors for mistake in error.mistakes or (error,)]
         raise SettingsError("\n".join(map(str, errors)), mistakes=mistakes)
     return cases, surfaces
-
-
-def _placements_each(config: Mapping[str, Any]) -> int:
-    """Return the number of placements of each pair; 1 where the settings of pairs have mistakes."""
-    try:
-        composite = Composite.model_validate(config.get("composite", {}))
-    except ValidationError:
-        return 1
-    return composite.shifts * len(composite.rotations)

@@ -10,7 +10,7 @@ import xarray as xr
 from roughcontact.arguments.answers import ENDS
 from roughcontact.arguments.measurement import json_attribute, json_attributes
 from roughcontact.uncertainty.differences import COMPARED
-from roughcontact.uncertainty.members import Members, members_of_group
+from roughcontact.uncertainty.members import MEMBERS, Members
 from roughcontact.uncertainty.scales import headline_names
 
 _ENDINGS = ("", *(f"{key}{suffix}" for key in ("", "_next", "_next_part") for suffix in ENDS[1:]))
@@ -22,7 +22,6 @@ class NamedGroup(NamedTuple):
     name: str  # of the group, or of the pair of faces
     case: str | None  # None in a run without cases
     answer: xr.Dataset  # from `group_statistics`
-    placements: bool = False  # whether its maps are placements of the same two faces
 
     @property
     def label(self) -> str:
@@ -32,7 +31,7 @@ class NamedGroup(NamedTuple):
     @property
     def members(self) -> Members:
         """What its maps are to one another."""
-        return members_of_group(placements=self.placements)
+        return MEMBERS[self.answer.attrs["members"]]
 
 
 def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
@@ -84,7 +83,7 @@ def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
     They also stand for the next map (`..._next_lower`) and the next part (`..._next_part_lower`).
     """
     rows = []
-    for name, case, answer, _ in groups:
+    for name, case, answer in groups:
         head: dict[str, Any] = {} if case is None else {"case": case}
         head |= {"group": name, "maps": answer.sizes["map"], "parts": len(set(answer["part"].values))}
         names = [f"{quantity}{ending}" for quantity in headline_names(answer) for ending in _ENDINGS]

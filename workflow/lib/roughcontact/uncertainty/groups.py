@@ -28,7 +28,7 @@ from roughcontact.surface.window.band import is_limited_by_grid
 from roughcontact.uncertainty import combination, random_effects
 from roughcontact.uncertainty.calibration import ALONE, scatter_between_maps
 from roughcontact.uncertainty.combination import SOURCES
-from roughcontact.uncertainty.members import Members, members_of_group
+from roughcontact.uncertainty.members import MEMBERS, Members
 from roughcontact.uncertainty.scales import ALL, from_scale, headline_names, to_scale
 
 MIN_FOR_INTERVAL = 3  # parts, or maps, below which there is a range instead of an interval
@@ -102,7 +102,7 @@ def group_statistics(
         one; `{quantity}_shared` (source, component, load): half-widths and shifts, mean of the maps;
         `stands_off` (map, load): 1 for a map that stands off the others in any quantity. Coordinates `map`,
         `part` (map), `content` (map; equal for copies), `mean_pressure` (load; Pa). Attributes: `group`,
-        `remarks` (JSON: list of sentences).
+        `members` ("maps", "bodies" or "placements"), `remarks` (JSON: list of sentences).
 
     Raises
     ------
@@ -142,11 +142,11 @@ def group_statistics(
             )
     datasets = [_drop_padding(data) for data in datasets]
     size = size_of_body(datasets[0])
-    members = members_of_group(placements=placements, finite=not np.isnan(size))
+    kind = "placements" if placements else "maps" if np.isnan(size) else "bodies"
     contents = [_content(data) for data in datasets]
     for name, content in zip(names, contents, strict=True):
         twin = names[contents.index(content)]
-        if content and twin != name and not members.may_be_equal:
+        if content and twin != name and not MEMBERS[kind].may_be_equal:
             raise SettingsError(
                 f"{label}: {twin} and {name} have the same results, as copies of one map have, which says "
                 "nothing new; leave one out"
@@ -156,7 +156,7 @@ def group_statistics(
     quantities = [name for name in headline_names(datasets[0]) if all(name in data for data in datasets)]
     hardness = {key: float(datasets[0][key]) for key in _OF_HARDNESS if key in datasets[0]}
     hardest = hardness.get("hardness_upper", hardness.get("hardness", np.inf))
-    maps = _Maps(datasets, parts, loads, members, hardest)
+    maps = _Maps(datasets, parts, loads, MEMBERS[kind], hardest)
     columns: dict[str, tuple] = {}
     is_outlier = np.zeros((len(datasets), loads.size), bool)
     for name in quantities:
@@ -192,8 +192,8 @@ def group_statistics(
         "part": ("map", np.array(parts, object)),
         "content": ("map", np.array(contents, object)),
     }
-    answer = xr.Dataset(columns, coordinates, {"group": group, "body_size": size})
-    remarks = _remarks(answer, datasets, members)
+    answer = xr.Dataset(columns, coordinates, {"group": group, "body_size": size, "members": kind})
+    remarks = _remarks(answer, datasets, MEMBERS[kind])
     return answer.assign_attrs(json_attributes({"remarks": remarks}))
 
 

@@ -60,8 +60,5 @@ PLACEMENTS = Members(
     may_be_equal=True,  # on a smooth face
     is_compared=False,
 )
-
-
-def members_of_group(*, placements: bool, finite: bool = False) -> Members:
-    """Return the record of maps that are `placements` of two faces, or `finite` bodies, or neither."""
-    return PLACEMENTS if placements else BODIES if finite else MAPS
+# by the attribute `members` of the answer of a group
+MEMBERS = {"maps": MAPS, "bodies": BODIES, "placements": PLACEMENTS}

@@ -22,6 +22,7 @@ GROUP, SPECIMEN, TILES = "group", "part", "parts"
 BEFORE, REPEAT = "before", "repeat_of"
 OF_SURFACES = (GROUP, REPEAT, BEFORE, TILES)  # whose cells are the properties of `Surface` with these names
 OVERVIEW, OVERVIEW_POSITION = "overview", "overview_position"
+OF_ALL_FILES = ("lay", TILES, PAIR, OVERVIEW)  # which the files of a new table may have alike
 NUMBERS = ("dx", "dy")
 UNITS = ("unit", "height_unit")
 REGION = ("crop", "mask")

@@ -16,7 +16,7 @@ from roughcontact.study.table import columns
 from roughcontact.study.table.cut_maps import mistakes_in_parts, with_parts
 from roughcontact.study.table.groups import mistakes_in_groups
 from roughcontact.study.table.overviews import read_overviews
-from roughcontact.study.table.pairs import mistakes_in_names
+from roughcontact.study.table.pairs import mistakes_in_names, with_faces
 from roughcontact.study.table.profiles_along import mistakes_in_profiles_along, with_profiles_along
 from roughcontact.study.table.row import Mistake, Surface, in_cell
 from roughcontact.study.table.same_area import mistakes_in_areas, with_other_maps
@@ -28,12 +28,11 @@ def read_surfaces(
     folders: Sequence[str | Path] = (".",),
     *,
     files_exist: bool = False,
-    placements_each: int = 0,
 ) -> dict[str, Surface]:
     r"""Read the table of surfaces (tab-separated): name -> Surface, in the order of the table.
 
-    `folders` and the table's own are searched; all files must exist with `files_exist`, and no row may have
-    the name of one of `placements_each` placements. A `SettingsError` lists all mistakes, each with its line.
+    `folders` and the table's own are searched; all files must exist with `files_exist`. A `SettingsError`
+    lists all mistakes, each with its line.
     """
     table = Path(table)
     header, rows = read_table(table)
@@ -57,7 +56,7 @@ def read_surfaces(
         mistakes += mistakes_in(surfaces)
     if not mistakes:
         surfaces = with_profiles_along(with_parts(surfaces))
-    mistakes += [*mistakes_in_groups(surfaces), *mistakes_in_names(surfaces, placements_each)]
+    mistakes += [*mistakes_in_groups(surfaces), *mistakes_in_names(surfaces)]
     if mistakes:
         raise SettingsError(
             "\n".join([f"mistakes in the table of surfaces {table}:", *(f"  {m}" for m in mistakes)]),
@@ -123,9 +122,7 @@ def _read_row(
     if row[columns.PAIR_FIRST_ROW] and not row[columns.PAIR]:
         text = f"is of a {columns.PAIR}; name its file, or use first_row"
         mistakes.append((columns.PAIR_FIRST_ROW, f"{columns.PAIR_FIRST_ROW}: {text}"))
-    if row[columns.PAIR]:
-        surface = surface.with_counter_face(file(row[columns.PAIR]), row[columns.PAIR_FIRST_ROW])
-    return surface, mistakes + mistakes_in_overviews
+    return with_faces(surface, row, file), mistakes + mistakes_in_overviews
 
 
 def _instrument(row: Mapping[str, str]) -> tuple[dict[str, float], list[Mistake]]:

@@ -1,6 +1,6 @@
 """One row of the table of surfaces: a measured map, profiles, or a pair of faces."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -44,16 +44,6 @@ class Surface:
     def files(self) -> list["Surface"]:
         """Return the measured files of a row: itself, or of a pair its face and its counter-face."""
         return [*(self.faces or [self])]
-
-    def with_counter_face(self, path: Path, first_row: str = "") -> "Surface":
-        """Return the pair with the face in another file, of which all but its `first_row` is the same."""
-        counter = {key: value for key, value in self.read_arguments.items() if key != "first_row"}
-        counter |= {"first_row": first_row} if first_row else {}
-        faces = (
-            Surface(f"{self.name}-face", self.path, self.origin, self.read_arguments),
-            Surface(f"{self.name}-counter-face", path, self.origin, counter),
-        )
-        return replace(self, faces=faces)
 
 
 def in_cell(row: Surface, column: str, sentence: str) -> SettingsError:

@@ -7,7 +7,7 @@ from typing import Any
 
 from roughcontact.arguments.settings.messages import nearest
 from roughcontact.errors import SettingsError
-from roughcontact.study.table.columns import BEFORE, GROUP, OVERVIEW, REPEAT
+from roughcontact.study.table.columns import BEFORE, GROUP, OVERVIEW, PAIR, REPEAT
 from roughcontact.study.table.row import Surface, in_cell
 
 
@@ -30,7 +30,7 @@ def _mistakes_in_references(surfaces: Mapping[str, Surface]) -> Iterator[Setting
                 continue
             if pairs & {name, reference}:
                 pair = name if name in pairs else reference
-                wrong = f"{pair} is a pair (counter_face); only single maps are compared; leave {column} out"
+                wrong = f"{pair} is a pair ({PAIR}); only single maps are compared; leave {column} out"
             elif name == reference:
                 wrong = "is the name of this row; give that of the other map of the place"
             elif reference not in surfaces:
