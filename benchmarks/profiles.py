@@ -31,8 +31,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 import roughcontact as rc
 from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.errors import RoughContactError
-from roughcontact.evaluation.kinds.ridge_contrast import LOADS, ridge_contrast
-from roughcontact.evaluation.kinds.surface_behind_profiles import member_surfaces, moments
+from roughcontact.evaluation.kinds.profiles.ridge_contrast import LOADS, ridge_contrast
+from roughcontact.evaluation.kinds.profiles.surface_behind import member_surfaces, moments
 from roughcontact.surface.profiles.surface import fit_profiles, stacked
 from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.surface.roughness.texture import texture_parameters

@@ -14,8 +14,8 @@ from roughcontact.evaluation.kinds import KINDS, kind_of
 from roughcontact.evaluation.kinds.finite_body import FiniteBody
 from roughcontact.evaluation.kinds.local_scale import LocalScale
 from roughcontact.evaluation.kinds.periodic_map import PeriodicMap
-from roughcontact.evaluation.kinds.ridges import Ridges
-from roughcontact.evaluation.kinds.surface_behind_profiles import SurfaceBehindProfiles
+from roughcontact.evaluation.kinds.profiles.ridges import Ridges
+from roughcontact.evaluation.kinds.profiles.surface_behind import SurfaceBehindProfiles
 
 BALL = rc.height_map(-np.add.outer(np.linspace(-1, 1, 16) ** 2, np.linspace(-1, 1, 16) ** 2), 0.1, unit="m")
 FREE = {"contact_modulus": "1 GPa", "boundary": "free", "force": "1 N"}

@@ -9,7 +9,7 @@ from known_surfaces import self_affine
 import roughcontact as rc
 from data_samples.make_samples import blasted_surface
 from roughcontact.arguments.maps import height_map
-from roughcontact.evaluation.kinds.ridge_contrast import ridge_contrast
+from roughcontact.evaluation.kinds.profiles.ridge_contrast import ridge_contrast
 from roughcontact.surface.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.scales import AREA, GAP
 

@@ -37,7 +37,7 @@ from roughcontact.uncertainty.budget_inputs import budget_inputs, constrictions_
 from roughcontact.uncertainty.improvement import add_overview_line
 
 _OF_WINDOW = (  # what a group of maps has in common, how rows were aligned, where a summit stands out
-    *("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "profiles"),
+    *("band_shortest", "band_longest", "band_reason", "corrected_for", "lay", "ensemble"),
     *("line_alignment", "summit_x", "summit_y"),
 )
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -17,28 +18,14 @@ from roughcontact.io.request import Request
 _LARGE = 2**24  # points
 
 
-def inspect_file(
-    path: str | Path,
-    *,
-    channel: str | None = None,
-    dx: float | str | None = None,
-    dy: float | str | None = None,
-    unit: str | None = None,
-    height_unit: str | None = None,
-    resample: str | None = None,
-    checksum: str | None = None,
-    first_row: str | None = None,
-    missing_value: float | str | None = None,
-    ignore_lines: int | str | None = None,
-    lay: str | None = None,
-) -> dict:
+def inspect_file(path: str | Path, **request: Any) -> dict:
     r"""Return the content of a file, without asking for missing units.
 
     Parameters
     ----------
     path : str or Path
-    channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, ignore_lines, lay
-        As for `read_height_map`.
+    **request
+        As for `read_height_map`, but for `instrument`.
 
     Returns
     -------
@@ -77,10 +64,7 @@ def inspect_file(
     4e-06
     >>> folder.cleanup()
     """
-    request = Request(
-        channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value, ignore_lines, lay
-    )
-    return inspect_heights(Path(path), request)[0]
+    return inspect_heights(Path(path), Request(**request))[0]
 
 
 def inspect_heights(path: Path, request: Request) -> tuple[dict, np.ndarray | None]:

@@ -6,7 +6,7 @@ from numbers import Real
 from typing import Any
 
 from roughcontact.arguments.choices import Checksum, FirstRow, Resampling, check_choice
-from roughcontact.arguments.lays import check_lay
+from roughcontact.arguments.profiles.lays import check_lay
 from roughcontact.io.vocabulary import rows_of
 
 #: Options of commands that say what is missing in a file -> what they are.

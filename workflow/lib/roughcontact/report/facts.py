@@ -10,7 +10,7 @@ import xarray as xr
 
 from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.measurement import Instrument, json_attribute
-from roughcontact.arguments.profiles import are_lines, ensemble_in_words
+from roughcontact.arguments.profiles.lines import are_lines
 from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.arguments.variables import values_at_load
 from roughcontact.io.metadata import labelled
@@ -155,7 +155,7 @@ def waves_in_words(window: xr.DataArray) -> str:
     'wavelengths above 3.30 µm'
     """
     causes = window.attrs.get("corrected_for")
-    return sentence("holds_for", ensemble_in_words(window), shortest_reliable_wave(window), causes)
+    return sentence("holds_for", window.attrs.get("ensemble", ""), shortest_reliable_wave(window), causes)
 
 
 def _first_yield(numbers: xr.Dataset, name: str) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.maps import dimensions, side_lengths
-from roughcontact.arguments.profiles import are_lines
+from roughcontact.arguments.profiles.lines import are_lines
 from roughcontact.arguments.quantities import Unit, height_unit
 from roughcontact.report.charts import COLOURS, Axis, Chart
 from roughcontact.report.colours import colour_scale, coloured

@@ -8,7 +8,6 @@ import xarray as xr
 from roughcontact.arguments.answers import AREA, ENDS, GAP, PRESSURE, UNITS
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.measurement import json_attribute
-from roughcontact.arguments.profiles import ensemble_in_words
 from roughcontact.arguments.quantities import Unit, prefix, quantity
 from roughcontact.arguments.stacks import properties_of_bodies
 from roughcontact.report.asked import bodies_in_words
@@ -45,7 +44,6 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
         sha256=[f"{text[:8]}…" for text in str(attrs.get("source_sha256", "")).split(" + ") if text],
         sides=[length for length in lengths if math.isfinite(length)],
         periodisation=attrs.get("periodisation", settings["window"]["method"]),
-        drawn_from=ensemble_in_words(statistics),
         **{name: float(statistics[name]) for name in ("rms_height", "rms_gradient", "contact_modulus")},
         bodies=bodies_in_words(settings["contact"]),
         layered=bool(properties_of_bodies(settings["contact"]["bodies"])),

@@ -18,6 +18,15 @@ _HEIGHT = Unit(1e9, "nm")  # of spectra, which are in nm² by the square of a le
 _SHELLS = 120  # points of the drawn curve per factor of ten in q
 
 
+def pictures(window: xr.DataArray, caption: str) -> list[tuple[str, str, str]]:
+    """Return (title, image, caption) of the spectra of a window, of which the `caption` is of its own one."""
+    of_window = [("Power spectrum", spectrum(window), caption)]
+    if "profile_spectra" not in window.attrs:
+        return of_window
+    text = "Of the profiles, and of such profiles of the surface that was fitted to them."
+    return [("Spectrum of the profiles", fitted_spectrum(window), text), *of_window]
+
+
 def spectrum(window: xr.DataArray) -> str:
     """Draw the radially averaged power spectrum of a window, with the band that it holds.
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from roughcontact.arguments.checking import MAX_GRADIENT
 from roughcontact.arguments.kinds import facts_of
-from roughcontact.arguments.lays import lay_facts
 from roughcontact.arguments.measurement import json_attribute
+from roughcontact.arguments.profiles.lays import lay_facts
 from roughcontact.arguments.quantities import counted_noun, number, percent, quantity
 from roughcontact.statistics.outcome import Check, judge
 from roughcontact.statistics.selected_loads import Statistics, largest_of_loads

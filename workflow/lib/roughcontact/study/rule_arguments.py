@@ -139,4 +139,4 @@ class RuleArguments:
         if not result:
             return 0
         row = self.plan.row(split(result)[1])
-        return max(estimate_points(row.path), 2**18 if row.has_surface_behind else 0)
+        return max(estimate_points(row.path), row.min_points)

@@ -12,8 +12,8 @@ import xarray as xr
 from roughcontact.evaluation.kinds.finite_body import FiniteBody
 from roughcontact.evaluation.kinds.local_scale import LocalScale
 from roughcontact.evaluation.kinds.periodic_map import PeriodicMap
-from roughcontact.evaluation.kinds.ridges import Ridges
-from roughcontact.evaluation.kinds.surface_behind_profiles import SurfaceBehindProfiles
+from roughcontact.evaluation.kinds.profiles.ridges import Ridges
+from roughcontact.evaluation.kinds.profiles.surface_behind import SurfaceBehindProfiles
 
 KINDS: tuple[type[PeriodicMap], ...] = (SurfaceBehindProfiles, FiniteBody, Ridges, PeriodicMap)
 

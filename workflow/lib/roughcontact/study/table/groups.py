@@ -34,7 +34,7 @@ def mistakes_in_groups(surfaces: Mapping[str, Surface]) -> Iterator[SettingsErro
         read: dict[str, list[Surface]] = {}
         for row in rows:
             arguments = {key: cell for key, cell in row.read_arguments.items() if key not in (TILES, *REGION)}
-            channels = arguments.pop("channel", "").split(";")  # of profiles several
+            channels = arguments.pop("channel", "").split(";")
             for channel in dict.fromkeys(map(str.strip, channels)):
                 files = [str(file.path) for file in row.files()]
                 originals = read.setdefault(f"{files} {channel} {arguments}", [])

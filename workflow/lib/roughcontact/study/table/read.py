@@ -17,7 +17,7 @@ from roughcontact.study.table.cut_maps import mistakes_in_parts, with_parts
 from roughcontact.study.table.groups import mistakes_in_groups
 from roughcontact.study.table.overviews import read_overviews
 from roughcontact.study.table.pairs import mistakes_in_names, with_faces
-from roughcontact.study.table.profiles_along import mistakes_in_profiles_along, with_profiles_along
+from roughcontact.study.table.profiles import mistakes_in_profiles, with_profiles
 from roughcontact.study.table.row import Mistake, Surface, in_cell
 from roughcontact.study.table.same_area import mistakes_in_areas, with_other_maps
 from roughcontact.study.table.text import read_table
@@ -52,10 +52,10 @@ def read_surfaces(
         doubts += _missing_files(surface) if files_exist else ()
         mistakes += [in_cell(surface, *doubt) for doubt in doubts]
         surfaces[surface.name] = in_small_letters[surface.name.lower()] = surface
-    for mistakes_in in (mistakes_in_areas, mistakes_in_parts, mistakes_in_profiles_along):
+    for mistakes_in in (mistakes_in_areas, mistakes_in_parts, mistakes_in_profiles):
         mistakes += mistakes_in(surfaces)
     if not mistakes:
-        surfaces = with_profiles_along(with_parts(surfaces))
+        surfaces = with_profiles(with_parts(surfaces))
     mistakes += [*mistakes_in_groups(surfaces), *mistakes_in_names(surfaces)]
     if mistakes:
         raise SettingsError(

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from roughcontact.arguments.lays import lay_facts
 from roughcontact.errors import SettingsError
 
 Mistake = tuple[str, str]  # the column of a cell, and what is wrong, a sentence that begins with it
@@ -24,17 +23,8 @@ class Surface:
     repeat_of: str = ""  # surface of the same area, measured with nothing done in between
     before: str = ""  # surface of the same area before something was done to it
     parts: str = ""  # into which the map is cut, 2x2
+    min_points: int = 0  # of what is solved, whatever its file has
     line: int = field(default=0, kw_only=True)  # of the table
-
-    @property
-    def lay(self) -> str:
-        """The direction of a profile to the lay of its surface, empty of a map."""
-        return str(self.read_arguments.get("lay", ""))
-
-    @property
-    def has_surface_behind(self) -> bool:
-        """Whether a surface behind profiles is solved: of profiles without a lay, or of both directions."""
-        return lay_facts(self.read_arguments).has_surface_behind or "along" in self.read_arguments
 
     @property
     def properties(self) -> tuple[str, ...]:

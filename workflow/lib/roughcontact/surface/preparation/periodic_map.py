@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import xarray as xr
 
-from roughcontact.arguments.profiles import check_single_map
+from roughcontact.arguments.profiles.lines import check_single_map
 from roughcontact.errors import HeightMapError
 from roughcontact.surface.faces.placing import overview_with_place
 from roughcontact.surface.levelling.level import level

@@ -6,8 +6,8 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.arguments.kinds import facts_of_settings
-from roughcontact.arguments.lays import lay_facts
-from roughcontact.arguments.profiles import ensemble_in_words
+from roughcontact.arguments.profiles.lays import lay_facts
+from roughcontact.arguments.quantities import counted_noun
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.surface.preparation.periodic_map import MapPreparation, Settings
 from roughcontact.surface.profiles.surface import levelled_profiles, surface_from_profiles
@@ -43,5 +43,9 @@ class ProfilesPreparation(MapPreparation):
         # it is periodic without its form, and has no points that were rejected
         surface = surface.assign_attrs(form="none", form_removed="{}", outliers_rejected=0)
         window = super().window(surface, settings)
-        form = {key: levelled.attrs[key] for key in ("form", "form_removed")}
-        return window.assign_attrs(form, window_reason=f"One of {ensemble_in_words(surface)}.")
+        attrs = {key: levelled.attrs[key] for key in ("form", "form_removed")}
+        # of which the window is an example
+        ensemble = lay_facts(surface.attrs).ensemble.format(
+            profiles=counted_noun(surface.attrs["profiles"], "profile")
+        )
+        return window.assign_attrs(attrs, ensemble=ensemble, window_reason=f"One of {ensemble}.")

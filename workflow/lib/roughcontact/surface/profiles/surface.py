@@ -7,10 +7,10 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.checking import check_labelled, check_positive
-from roughcontact.arguments.lays import BOTH, ISOTROPIC, check_lay, lay_facts
 from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.arguments.measurement import json_attributes
-from roughcontact.arguments.profiles import check_lines, have_lines
+from roughcontact.arguments.profiles.lays import BOTH, ISOTROPIC, MAX_POINTS, check_lay, lay_facts
+from roughcontact.arguments.profiles.lines import check_lines, have_lines
 from roughcontact.arguments.quantities import number, percent, quantity
 from roughcontact.arguments.si import as_si, labelled_in_si
 from roughcontact.errors import HeightMapError, SettingsError
@@ -23,7 +23,6 @@ from roughcontact.surface.window.sides import friendly_sides
 
 Profiles = xr.DataArray | Sequence[xr.DataArray]
 _LAY_BY_DIRECTIONS = {1: ISOTROPIC, 2: BOTH}
-_MAX_POINTS = 512  # per side of a surface, unless others are asked for
 _MAX_PIECE_POINTS = 8192  # points of a profile: longer ones are cut
 _MIN_POINTS = 64
 _LENGTHS = 10  # correlation lengths of a profile, below which its long waves are unknown
@@ -103,7 +102,7 @@ def surface_from_profiles(
     fit = fit_profiles(stack)
     pitch = fit.pitch
     ratio = 1.0 if spacing is None else check_positive("spacing", spacing, unit="m") / pitch
-    side = int(friendly_sides(min(fit.pieces.shape[1], _MAX_POINTS))[-1]) if points is None else points
+    side = int(friendly_sides(min(fit.pieces.shape[1], MAX_POINTS))[-1]) if points is None else points
     for key, value, minimum in (("points", side, 2), ("seed", seed, 0)):
         if value < minimum:
             raise SettingsError(f"{key} = {value!r}: give a whole number of {minimum} or more", keys=[key])

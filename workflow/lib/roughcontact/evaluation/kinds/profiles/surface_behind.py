@@ -17,7 +17,7 @@ import xarray as xr
 from roughcontact.arguments.maps import height_map, spacing
 from roughcontact.arguments.quantities import counted_noun
 from roughcontact.evaluation.kinds.periodic_map import PeriodicMap, SolvedMap
-from roughcontact.evaluation.kinds.ridge_contrast import ridge_contrast
+from roughcontact.evaluation.kinds.profiles.ridge_contrast import ridge_contrast
 from roughcontact.surface.preparation.profiles import ProfilesPreparation
 from roughcontact.surface.profiles.finish import draw, fit_statistics
 from roughcontact.surface.profiles.spectrum import ProfileFit

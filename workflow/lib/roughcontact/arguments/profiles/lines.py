@@ -2,9 +2,8 @@
 
 import xarray as xr
 
-from roughcontact.arguments.lays import lay_facts
 from roughcontact.arguments.maps import dimensions
-from roughcontact.arguments.quantities import counted_noun
+from roughcontact.arguments.profiles.lays import lay_facts
 from roughcontact.errors import HeightMapError
 
 
@@ -38,9 +37,3 @@ def check_single_map(height: xr.DataArray) -> None:
             f"lay = {lay}: several profiles have one answer where lay = none, or with others "
             "along the lay; name these as well, or one profile"
         )
-
-
-def ensemble_in_words(synthetic: xr.DataArray | xr.Dataset) -> str:
-    """Return the surfaces of which a synthetic one, or its statistics, is an example; else nothing."""
-    attrs = synthetic.attrs
-    return lay_facts(attrs).ensemble.format(profiles=counted_noun(attrs.get("profiles", 1), "profile"))

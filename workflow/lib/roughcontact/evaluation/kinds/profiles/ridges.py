@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.lays import lay_facts
 from roughcontact.arguments.maps import dimensions
+from roughcontact.arguments.profiles.lays import lay_facts
 from roughcontact.errors import HeightMapError
 from roughcontact.evaluation.kinds.periodic_map import PeriodicMap, Settings, SolvedMap
 from roughcontact.surface.profiles.surface import surface_from_profiles

@@ -1,17 +1,18 @@
-"""Profiles along a lay: no surfaces of their own, but solved with those across it in their group."""
+"""Profiles in the table of surfaces: those along a lay are solved with those across it in their group."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
+from roughcontact.arguments.profiles.lays import MAX_POINTS, lay_facts
 from roughcontact.errors import SettingsError
 from roughcontact.study.table.columns import BEFORE, GROUP, PAIR, REPEAT
 from roughcontact.study.table.row import Surface, in_cell
 from roughcontact.study.table.same_area import same_area_pairs
 
 
-def mistakes_in_profiles_along(surfaces: Mapping[str, Surface]) -> Iterator[SettingsError]:
+def mistakes_in_profiles(surfaces: Mapping[str, Surface]) -> Iterator[SettingsError]:
     """Yield what is wrong with profiles along a lay, which serve those across it alone."""
     groups = {row.group for row in _with_lay(surfaces, "across")} - {""}
     of_same_area = {name for pair in same_area_pairs(surfaces) for name in pair}
@@ -28,8 +29,11 @@ def mistakes_in_profiles_along(surfaces: Mapping[str, Surface]) -> Iterator[Sett
             yield in_cell(row, "lay", text)
 
 
-def with_profiles_along(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
-    """Return the rows without profiles along a lay, which those across it in their group are given."""
+def with_profiles(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
+    """Return the rows without profiles along a lay, which those across it in their group are given.
+
+    Those of which a surface behind them is solved have its points.
+    """
     along: dict[str, list[dict[str, Any]]] = {}
     remaining_rows = {**surfaces}
     for row in _with_lay(surfaces, "along"):
@@ -42,9 +46,12 @@ def with_profiles_along(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
             arguments = row.read_arguments | {"along": along[row.group]}
             group = row.group if sizes[row.group] > 1 else ""  # of a single surface there is no group
             remaining_rows[row.name] = replace(row, read_arguments=arguments, group=group)
+    for name, row in remaining_rows.items():
+        if lay_facts(row.read_arguments).has_surface_behind or "along" in row.read_arguments:
+            remaining_rows[name] = replace(row, min_points=MAX_POINTS**2)
     return remaining_rows
 
 
 def _with_lay(surfaces: Mapping[str, Surface], lay: str) -> list[Surface]:
     """Return the rows of profiles in a direction to the lay."""
-    return [row for row in surfaces.values() if row.lay == lay]
+    return [row for row in surfaces.values() if row.read_arguments.get("lay") == lay]

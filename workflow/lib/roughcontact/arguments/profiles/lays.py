@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from roughcontact.arguments.choices import Lay, check_choice
 from roughcontact.errors import SettingsError
 
+MAX_POINTS = 512  # per side of a surface behind profiles, unless others are asked for
 ACROSS, ISOTROPIC, BOTH = "across", "none", "both"
 
 

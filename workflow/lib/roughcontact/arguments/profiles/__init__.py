@@ -1,0 +1,1 @@
+"""Profiles: the lay that is stated of them, and maps whose rows they are."""

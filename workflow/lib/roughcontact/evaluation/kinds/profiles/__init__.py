@@ -1,0 +1,1 @@
+"""Profiles: one across a lay, solved as endless ridges, or those of a surface behind them."""
