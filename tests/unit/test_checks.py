@@ -12,7 +12,14 @@ import xarray as xr
 import roughcontact as rc
 from roughcontact.arguments import materials
 from roughcontact.arguments.answers import ANSWERS
-from roughcontact.statistics import checks, contact_checks, instrument_checks, map_checks, outcome
+from roughcontact.statistics import (
+    checks,
+    contact_checks,
+    instrument_checks,
+    local_scale_checks,
+    map_checks,
+    outcome,
+)
 from roughcontact.statistics.outcome import (
     FAILED,
     NOT_MADE,
@@ -33,7 +40,7 @@ def per_load(**columns):
 
 def test_the_table_of_checks_has_each_case_of_the_code_and_no_more():
     cases = defaultdict(set)
-    for module in (contact_checks, instrument_checks, map_checks):
+    for module in (contact_checks, instrument_checks, local_scale_checks, map_checks):
         functions = [node for node in ast.parse(inspect.getsource(module)).body if hasattr(node, "args")]
         for node in (inner for function in functions for inner in ast.walk(function)):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "judge":

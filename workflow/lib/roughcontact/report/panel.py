@@ -23,7 +23,7 @@ from roughcontact.report.template import sentence, template
 from roughcontact.report.units import stated_loads, unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks, outcome
-from roughcontact.statistics.finite_body import hertz_contact
+from roughcontact.statistics.kinds import facts_of_numbers, smooth_contact
 from roughcontact.surface.faces.placing import frame_of_place, place_in_words, separate_overviews
 
 _TITLES = {  # of the maps by the number of measured faces
@@ -106,7 +106,9 @@ def write_panel(
         fields=fields,
         drawn=indices,
         loads=json.dumps(each_load(numbers, indices if fields else []), ensure_ascii=False),
-        waves=_waves(window_map, numbers) if rough else [],
+        waves=texture_plots.pictures(window_map, facts.spectrum_caption(window_map, numbers))
+        if rough
+        else [],
         charts=_charts(numbers, window_map, indices) if rough else {},
         bars=partial(load_plots.bars_in_words, numbers),
         theories=load_plots.has_theories(numbers),
@@ -188,7 +190,7 @@ def _fields(
         for index, place in loads.items():
             pressure, gap = maps(place)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
-            smooth = hertz_contact(window, numbers, index)
+            smooth = smooth_contact(window, numbers, index)
             chart = map_plots.pressure_map(window, pressure, highest=highest, unit=unit, ellipse=smooth)
             gap_chart = map_plots.gap_map(window, gap, pressure, widest=widest)
             outline = "; red: the contact of the smooth bodies (Hertz)" if smooth else ""
@@ -214,15 +216,6 @@ def each_load(numbers: xr.Dataset, with_maps: Sequence[int]) -> list[tuple[str, 
     return result
 
 
-def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, str]]:
-    """Return (title, image, caption) of the waves of a window that is not flat."""
-    pictures = [("Power spectrum", texture_plots.spectrum(window), facts.spectrum_caption(window, numbers))]
-    if "profile_spectra" in window.attrs:
-        caption = "Of the profiles, and of such profiles of the surface that was fitted to them."
-        pictures.insert(0, ("Spectrum of the profiles", texture_plots.fitted_spectrum(window), caption))
-    return pictures
-
-
 def _charts(numbers: xr.Dataset, window: xr.DataArray, indices: Sequence[int]) -> dict[str, str]:
     """Return {name: image} of the charts of a window that is not flat."""
     charts = {
@@ -230,6 +223,6 @@ def _charts(numbers: xr.Dataset, window: xr.DataArray, indices: Sequence[int]) -
         "pressure": load_plots.pressure_against_load(numbers),
         "pressures": load_plots.pressure_distribution(numbers, indices),
     }
-    if "contact_radius" not in numbers:  # the mean gap of a body of finite size is that of its form
+    if not facts_of_numbers(numbers).form_is_meant:  # of which the mean gap would be
         charts["gap"] = load_plots.gap_against_load(numbers)
     return {name: chart.source() for name, chart in charts.items()}

@@ -19,6 +19,7 @@ from roughcontact.arguments.measurement import Instrument, json_attributes
 from roughcontact.arguments.variables import describe, values_at_load
 from roughcontact.statistics import contact_checks, instrument_checks, map_checks, outcome
 from roughcontact.statistics.contact_checks import CONTACT_POINTS, OVERCOUNT, overcount
+from roughcontact.statistics.local_scale_checks import local_scale
 from roughcontact.statistics.map_checks import FILLED_IN_CONTACT, REJECTED_LOAD, Attributes
 from roughcontact.statistics.outcome import Check
 from roughcontact.statistics.selected_loads import SelectedLoads, Statistics
@@ -72,7 +73,7 @@ def surface_checks(
         contact_checks.resolution(statistics),
         contact_checks.layers(statistics, points),
         contact_checks.mean_free_path(statistics),
-        contact_checks.local_scale(statistics),
+        local_scale(statistics),
         contact_checks.fluid(statistics),
         instrument_checks.smoothed(window),
         instrument_checks.noise(window),

@@ -27,7 +27,6 @@ _BALLISTIC = 0.1  # of the resistance, added by the mean free path: less hides i
 # J. Appl. Phys. 119, 085101)
 _RESISTIVITY_TIMES_PATH = 7e-16
 _GAS = 5e-5  # Pa s; air has 1.8e-5, the thinnest liquids that are sealed 1e-4
-_ROUGHNESS_OF_FORM = 0.05  # rms height over Hertz's approach
 OVERCOUNT = 0.2  # excess of the counted over the corrected area: patches are a few pixels across
 
 
@@ -187,23 +186,6 @@ def layers(statistics: Statistics, points: int) -> Check | None:
     pixels, share = medium.thinnest / pixel, medium.thickest / max(sides)
     cases = {"thin": medium.thinnest < LAYER_PIXELS * pixel, "thick": medium.thickest > max(sides)}
     return judge("Layers", cases, medium=medium, pixels=pixels, share=share, limit=LAYER_PIXELS)
-
-
-def local_scale(statistics: Statistics) -> Check | None:
-    """Check that the rms height is below 0.05 of the approach of a form (Johnson 1985, section 13.5)."""
-    if "local_contact_area" not in statistics:
-        return None
-    largest = int(statistics["force"].values.argmax())
-    names = "force", "local_contact_area", "local_mean_gap", "hertz_radius"
-    last = {name: statistics[name].values[largest] for name in names}
-    # the least approach: under the smallest force roughness is largest against the form
-    ratio = float(statistics["rms_height"] / statistics["hertz_approach"].min())
-    lengths = [statistics[f"window_length_{axis}"] for axis in "xy"]
-    # a map as large as the contact does not see a pressure that is the same all over
-    is_small = np.nanmax(lengths) < 2 * statistics["hertz_radius"].min()
-    share = last["local_contact_area"] / (np.pi * last["hertz_radius"] ** 2)
-    cases = {"holds": ratio <= _ROUGHNESS_OF_FORM and is_small}
-    return judge("Local scale", cases, ratio=ratio, share=share, last=last)
 
 
 def units(statistics: Statistics) -> Check:
