@@ -223,6 +223,14 @@ FINITE_BODY = FiniteBodyFacts(
 KIND_FACTS: tuple[KindFacts, ...] = (LOCAL_SCALE, FINITE_BODY, PERIODIC_MAP)
 
 
+# settings that say which kind a problem is: its load, its border and its form
+SETTINGS_OF_KIND = (
+    *dict.fromkeys(f"contact.{facts.load}" for facts in KIND_FACTS),
+    "contact.boundary",
+    "form.radius",
+)
+
+
 def facts_of(attrs: Mapping[str, Any]) -> KindFacts:
     """Return the facts by the word `boundary` in a section `contact`, or the attributes of a map or result.
 

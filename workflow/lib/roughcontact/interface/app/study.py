@@ -10,6 +10,7 @@ from typing import Any
 
 import yaml
 
+from roughcontact.arguments.kinds import SETTINGS_OF_KIND
 from roughcontact.arguments.named_materials import named_bodies
 from roughcontact.arguments.rows import rows_beside
 from roughcontact.arguments.settings.fields import field_at, flattened, grouped, is_list, section_model
@@ -37,8 +38,6 @@ JOBS: dict[str, Any] = {
     }
     for key, question, columns, made, settings in rows_beside(__file__, "jobs.tsv")
 }
-# loads and forms, of which a study has one kind: those of another question are set aside
-_LOADS = ("contact.mean_pressure", "contact.force", "contact.boundary", "form.radius")
 _TABLE = Settings.model_fields["surfaces"].default
 _HEAD = "# written by the page of roughcontact, see config/README.md"
 _JOB = re.compile(rf"{re.escape(_HEAD)}; asked: (\w+)\n")
@@ -63,10 +62,13 @@ def names_of(job: str) -> list[str]:
 
 
 def texts_for(job: str, texts: Mapping[str, str], aside: dict[str, str]) -> dict[str, str]:
-    """Return the texts of a form for a question: those of another are kept `aside` until it is back."""
-    aside |= {name: text for name, text in texts.items() if text and name.startswith(_LOADS)}
+    """Return the texts of a form for a question.
+
+    Loads and forms of another question, a study having one kind of them, are kept `aside` until it is back.
+    """
+    aside |= {name: text for name, text in texts.items() if text and name.startswith(SETTINGS_OF_KIND)}
     of_job = [name for name in aside if name.startswith(tuple(names_of(job)))]
-    remaining_texts = {name: text for name, text in texts.items() if not name.startswith(_LOADS)}
+    remaining_texts = {name: text for name, text in texts.items() if not name.startswith(SETTINGS_OF_KIND)}
     return remaining_texts | {name: aside.pop(name) for name in of_job} | JOBS[job]["made"]
 
 
