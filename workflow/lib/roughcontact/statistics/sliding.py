@@ -197,8 +197,7 @@ def sliding_friction(
             row = _numbers(contact, window, rubber, velocity, load)
             if seal is not None:
                 passage = flow_columns(gap, spacing(window)) | percolation_columns(gap)
-                leak_rates, _ = leaks_of_seal(row | passage, seal)
-                row |= {name: float(leak) for name, leak in leak_rates.items()}
+                row |= leaks_of_seal(row | passage, seal)[0]
             if strength is not None:
                 row[BY_AREA] = strength * row[AREA] / load
             if thermal_conductivity is not None:
