@@ -129,8 +129,8 @@ def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> R
     return replace(series, times=series.times * factor, frequencies=(low / factor, high / factor))
 
 
-def with_modulus_at_rest(body: Any) -> Any:
-    """Return a body whose relaxation is stated with its modulus at rest, and its name, where it states none.
+def with_modulus_at_rest(body: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a body that states its relaxation with its modulus at rest, and its name, where it has none.
 
     Examples
     --------
@@ -139,8 +139,6 @@ def with_modulus_at_rest(body: Any) -> Any:
     >>> print(rubber["youngs_modulus"], rubber["poissons_ratio"])
     3000000.0 0.5
     """
-    if not isinstance(body, Mapping) or not isinstance(body.get("relaxation"), str | Mapping):
-        return body
     properties = {key: value for key, value in body.items() if value is not None}
     relaxation = properties["relaxation"]
     named = compound(relaxation.get("table") if isinstance(relaxation, Mapping) else relaxation)
