@@ -192,7 +192,7 @@ def test_the_window_follows_the_instrument_only_where_it_is_corrected():
     [
         ({"tip_radius": 2e-6}, {}, "a.sur has nothing to be corrected for; state instrument.noise"),
         ({"noise": 1e-9}, {"counter_face": "b.sur"}, "a.sur is a pair of faces"),
-        ({"resolution": 1e-7}, {}, "instrument.resolution = 1e-07 m: finer than two pixels"),
+        ({"resolution": 1e-7}, {}, "instrument.resolution = 100 nm: finer than two pixels"),
     ],
 )
 def test_a_correction_that_cannot_be_made_is_refused(instrument, attrs, words):

@@ -311,7 +311,7 @@ def test_a_part_shows_what_short_waves_change_of_a_large_window(monkeypatch):
     ("statement", "words"),
     [
         ({"noise": -1e-9}, "instrument.noise = -1e-09"),
-        ({"noise": 1.0}, "larger than the rms height"),
+        ({"noise": 1.0}, r"noise = 1.00 m: larger than the rms height of the map \([\d.]+ .m\); correct the"),
         ({"tip_radius": 1.0}, "larger than the map"),
         ({"resolution": 1e-7}, "finer than two pixels"),
     ],

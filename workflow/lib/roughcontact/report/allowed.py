@@ -64,9 +64,17 @@ def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = F
 
 
 def limit_in_words(numbers: Numbers, name: str) -> str:
-    """Return what is allowed of a number: "of at most 1.08 ml/h"."""
+    """Return what is allowed of a number.
+
+    Examples
+    --------
+    >>> allowed = {"allowed_leak": 3e-10, "allowed_contact_area": 0.01}
+    >>> limit_in_words(allowed, "leak"), limit_in_words(allowed, "contact_area")
+    ('of at most 1.08 ml/h', 'of at least 1.00 %')
+    """
     allowed, limit = ALLOWED_VALUES[name], float(numbers[f"allowed_{name}"])
-    return f"of at {allowed.bound} {unit_of(numbers, allowed.unit, limit).text(limit)}"
+    unit = "%" if allowed.unit == "1" else allowed.unit  # as the number beside it
+    return f"of at {allowed.bound} {unit_of(numbers, unit, limit).text(limit)}"
 
 
 def _total_in_words(numbers: Numbers, name: str, index: int) -> str:

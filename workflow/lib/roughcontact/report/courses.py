@@ -69,16 +69,20 @@ def answer_with_courses(
 
     Examples
     --------
-    >>> wear = {"sentences": ["Run in after 3 m: so. Proven: that."]}
-    >>> [str(sentence) for sentence in answer_with_courses([Sentence("At 1 MPa: ...")], {"wear": wear})]
+    >>> sections = {"wear": {"sentences": ["Run in after 3 m: so. Proven: that."]}}
+    >>> [str(sentence) for sentence in answer_with_courses([Sentence("At 1 MPa: ...")], sections)]
     ['Run in after 3 m: so.', 'Before sliding, at 1 MPa: ...']
+    >>> sections["unloading"] = {"sentences": ["After 5 MPa: so."]}
+    >>> [str(sentence) for sentence in answer_with_courses([Sentence("At 1 MPa: ...")], sections)]
+    ['After 5 MPa: so.', 'Run in after 3 m: so.', 'On loading, before sliding, at 1 MPa: ...']
     """
-    for part, before in _BEFORE.items():
-        if part in sections:
-            opening, *_ = sections[part]["sentences"][0].removesuffix(".").partition(". ")
-            at_rest = [first.continued(before) for first in answer[:1]]
-            answer = [Sentence(f"{opening}."), *at_rest, *answer[1:]]
-    return [*answer]
+    parts = [part for part in reversed(_BEFORE) if part in sections]
+    if not parts:
+        return [*answer]
+    openings = [sections[part]["sentences"][0].removesuffix(".").partition(". ")[0] for part in parts]
+    before = ", ".join(_BEFORE[part] for part in parts).capitalize()
+    at_rest = [first.continued(before) for first in answer[:1]]
+    return [*(Sentence(f"{opening}.") for opening in openings), *at_rest, *answer[1:]]
 
 
 def _unloading(loading: xr.Dataset, residual: xr.Dataset) -> Part:

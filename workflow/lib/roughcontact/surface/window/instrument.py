@@ -10,6 +10,7 @@ import xarray as xr
 from roughcontact.arguments.kinds import facts_of, number_of_faces, properties_of_map
 from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.measurement import Instrument, json_attribute
+from roughcontact.arguments.quantities import quantity
 from roughcontact.errors import SettingsError
 from roughcontact.surface.window.band import lateral_period_limit, numerical_aperture
 from roughcontact.surface.window.transfer import CORRECTED, noise_that_remains
@@ -56,13 +57,18 @@ def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> Non
     # in the band of the window less noise remains than is stated of single points
     is_noisy = noise > 0 and noise_that_remains(window, noise)[0] > rms_height
     for key, is_excluded, reason in (
-        ("tip_radius", tip_radius > length, f"larger than the map ({length:.3g} m)"),
-        ("resolution", 0 < resolution < 2 * pixel, f"finer than two pixels of the map ({2 * pixel:.3g} m)"),
-        ("noise", is_noisy, f"larger than the rms height of the map ({rms_height:.3g} m)"),
+        ("tip_radius", tip_radius > length, f"larger than the map ({quantity(length, 'm')})"),
+        (
+            "resolution",
+            0 < resolution < 2 * pixel,
+            f"finer than two pixels of the map ({quantity(2 * pixel, 'm')})",
+        ),
+        ("noise", is_noisy, f"larger than the rms height of the map ({quantity(rms_height, 'm')})"),
     ):
         if is_excluded:
             raise SettingsError(
-                f"instrument.{key} = {instrument[key]:g} m: {reason}; give it in m or with its unit (2 um)",
+                f"instrument.{key} = {quantity(instrument[key], 'm')}: {reason}; correct the number or its "
+                "unit (a number alone is in m), or leave it out",
                 keys=[f"instrument.{key}"],
             )
 
