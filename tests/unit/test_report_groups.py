@@ -111,6 +111,11 @@ def test_placements_and_differences_in_words():
     )
     low, high = (float(bound) for bound in row["cells"][0].details.split(" to "))
     assert low < float(row["cells"][0].text) < high
+    loads = {name: ("load", [0.01, 0.04]) for name in ("force", "contact_radius")}
+    (of_bodies,) = comparison_rows(
+        compared, [], {group.label: group.answer.assign(loads) for group in groups}
+    )
+    assert of_bodies["loads"] == ["10.0 mN", "40.0 mN"]
     # two loads with the same answer have it once
     assert re.fullmatch(r"Contact area, ground against lapped: [^;]*\.", differences_in_words([rows]))
 

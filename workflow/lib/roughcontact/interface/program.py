@@ -74,6 +74,15 @@ class _Escaping:
         return int(self._stream.write(turns_escaped(text)))
 
 
+def _is_of_study(stray: str) -> bool:
+    """Return whether an argument is named as what the table or the settings of a study have."""
+    from roughcontact.arguments.settings.fields import fields_at
+    from roughcontact.study.table.columns import COLUMNS
+
+    name = stray.removeprefix("--").replace("-", "_")
+    return name in (*COLUMNS, *fields_at(["contact"])) or name.partition("_")[0] in fields_at([])
+
+
 class _Parser(argparse.ArgumentParser):
     """A parser that reports errors in single sentences."""
 
@@ -84,6 +93,8 @@ class _Parser(argparse.ArgumentParser):
             stray, options = strays[0].partition("=")[0], re.findall(r"--[\w-]+", self.format_usage())
             close = get_close_matches(stray, options, n=1, cutoff=0.7)
             hint = f"; the nearest option is {close[0]}" if close else ""
+            if _is_of_study(stray):
+                hint = "; it is of a study, a column of its table or a key of its settings: roughcontact init"
             if stray[:1].isalpha():
                 hint = "; write a number and its unit as one word: 5GPa"
             self.error(f"unrecognized arguments: {' '.join(strays)}{hint}")

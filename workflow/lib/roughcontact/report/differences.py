@@ -11,8 +11,9 @@ from roughcontact.arguments.quantities import with_interval
 from roughcontact.report import glance
 from roughcontact.report.glance import Cell
 from roughcontact.report.template import sentence
-from roughcontact.report.units import common_pressure, hardness_reached, stated_loads, unit_of
+from roughcontact.report.units import common_pressure, hardness_reached, stated_loads
 from roughcontact.statistics.decisions import CLOSED
+from roughcontact.statistics.kinds import load_in_words
 from roughcontact.statistics.load_pairs import paired_loads
 from roughcontact.uncertainty.differences import case_differences, case_pairs
 from roughcontact.uncertainty.group_tables import NamedGroup
@@ -44,7 +45,8 @@ def comparison_rows(
         result = comparison.isel(load=shown)
         loads = result["mean_pressure"].values.tolist()
         at_loads = [[(data, nearest_load(data, load)) for data in results] for load in loads]
-        row: Row = {"loads": [*map(unit_of(results[0], "Pa").text, loads)], "of_maps": label not in of_groups}
+        texts = [load_in_words(load, results[0])[1] for load in loads]
+        row: Row = {"loads": texts, "of_maps": label not in of_groups}
         rows.append(row | _ratios(label, partner, result, at_loads))
     return rows
 
