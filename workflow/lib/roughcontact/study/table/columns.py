@@ -109,6 +109,8 @@ def mistakes_in_cells(row: Mapping[str, str]) -> Iterator[Mistake]:
         if row[key] and row[excluded]:
             sentence = why.format(name=row["surface"], other=excluded, cell=row[excluded])
             yield key, f"{key} = {row[key]}: {sentence}"
+    if row[PAIR_FIRST_ROW] and not row[PAIR]:
+        yield PAIR_FIRST_ROW, f"{PAIR_FIRST_ROW}: is of a {PAIR}; name its file, or use first_row"
     for key, check in _CHECKS.items():
         try:
             if row[key]:

@@ -119,9 +119,6 @@ def _read_row(
     cells: dict[str, Any] = {key: row[key] for key in columns.OF_SURFACES}
     specimen = row[columns.SPECIMEN]
     surface = Surface(row["surface"], path, origin, arguments, specimen=specimen, line=line, **cells)
-    if row[columns.PAIR_FIRST_ROW] and not row[columns.PAIR]:
-        text = f"is of a {columns.PAIR}; name its file, or use first_row"
-        mistakes.append((columns.PAIR_FIRST_ROW, f"{columns.PAIR_FIRST_ROW}: {text}"))
     return with_faces(surface, row, file), mistakes + mistakes_in_overviews
 
 
