@@ -432,6 +432,7 @@ class TestJobs:
             assert len(column_meaning(column)) > 20
             options = browser.evaluate(f"[...{control}.options ?? []].map(option => option.value)")
             assert options == (["", *words] if (words := column_choices(column)) else [])
+            assert browser.evaluate(f"{control}.getBoundingClientRect().height") > 25, column
         picture(browser, f"app-job-{job}")
 
     def test_more_has_every_setting_once(self, browser):
@@ -1761,16 +1762,18 @@ class TestForm:
             assert answer.count('name="tool"') == tools
             assert ("rows.0.crop" in form_fields(answer)) == bool(tools)
 
-    def test_the_channel_that_is_read_is_named(self, tmp_path, monkeypatch):
+    @pytest.mark.parametrize(("held", "first"), [({"ny": 8}, "default: Topography"), (None, "")])
+    def test_the_channel_that_is_read_is_named(self, held, first, tmp_path, monkeypatch):
         (tmp_path / "config/surfaces.tsv").write_text("surface\tpath\none\tone.nid\n")
         channels = [{"name": name, "is_height": True} for name in ("Topography forward", "Topography")]
         inspection = measurements.UNREAD | {"key": "a", "channel": "Topography", "channels": channels}
+        inspection |= {"map": held}  # where one has to be named, none is read
         monkeypatch.setattr(measurements, "inspect", lambda _: inspection)
         page = Page()
         page.since()
         page.reader.pool.shutdown()
         options = re.findall("<option[^>]*>([^<]*)", page.html().partition("rows.0.channel")[2])
-        assert options[:3] == ["default: Topography", "Topography forward", "Topography"]
+        assert options[:3] == [first, "Topography forward", "Topography"]
 
     def test_a_study_of_unreadable_files_alone_is_not_run(self):
         page, reason = Page(), "1 of 1 files cannot be read as they are"
