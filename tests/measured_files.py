@@ -5,7 +5,6 @@ import io
 import json
 import struct
 import zipfile
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -37,18 +36,6 @@ def holds(height, heights, *spacing, rtol=1e-15):
     """Require such heights (m; the lowest row first), and steps (m) along x, and along y."""
     np.testing.assert_allclose(height.values, heights, rtol=rtol)
     assert not spacing or steps(height) == pytest.approx(spacing, rel=1e-9)
-
-
-def header_lines(case):
-    """Return the lines above a table of a case, with what they should lead to if they differ in that."""
-    table = Path(__file__).with_name("unit") / "header_lines.tsv"
-    rows = [line.split("\t") for line in table.read_text(encoding="utf-8").splitlines()]
-    found = [
-        (lines.replace(r"\n", "\n").replace(r"\t", "\t"), *expected)
-        for name, lines, *expected in rows
-        if name == case
-    ]
-    return [row if len(row) > 1 else row[0] for row in found]
 
 
 def warnings_of(height):

@@ -65,16 +65,7 @@ def test_variances_add_up():
     assert parameters.shortest_wavelength(band) == pytest.approx(10e-6, rel=0.05)
 
 
-@pytest.mark.parametrize(
-    ("instrument", "wavelength", "reason"),
-    [
-        ({}, 4e-6, "two pixels"),
-        ({"numerical_aperture": 0.055}, 12.376e-6, "the lens (numerical aperture 0.055)"),
-        ({"numerical_aperture": 0.9}, 4e-6, "two pixels"),
-        ({"comment": "NA: 0.06"}, 11.345e-6, "the lens (numerical aperture 0.06)"),
-        ({"comment": "NAME: 0.06, mean 1.2"}, 4e-6, "two pixels"),
-    ],
-)
+@pytest.mark.cases
 def test_the_reliable_wave_is_that_of_the_pixels_or_of_the_lens(instrument, wavelength, reason):
     """At 1.24 L / NA the contrast (2/pi)(acos v - v sqrt(1 - v^2)), v = L / (2 NA wave), is one half."""
     height = height_map(np.zeros((4, 5)), (2e-6, 1e-6))

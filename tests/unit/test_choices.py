@@ -89,15 +89,7 @@ def test_the_smallest_tolerance_is_what_rounding_leaves_of_the_smallest_maps():
     assert 0.5 * choices.MIN_TOLERANCE < float(solved["rounding_floor"][0]) < choices.MIN_TOLERANCE
 
 
-@pytest.mark.parametrize(
-    ("kind", "value", "message"),
-    [
-        ("Fill", "harmonics", "key = 'harmonics': did you mean 'harmonic'? choose harmonic or none"),
-        ("Resampling", "cubic", "key = 'cubic': choose linear"),
-        ("ZeroFrequency", None, "key = None: choose zero, nogi-kato or lattice"),
-        ("Placement", "search", "key = 'search': choose largest or whole-periods"),
-    ],
-)
+@pytest.mark.cases
 def test_a_word_that_is_none_is_refused_with_the_valid_ones(kind, value, message):
     for word in get_args(WORDS[kind]):
         check_choice("key", word, WORDS[kind])

@@ -187,14 +187,7 @@ def test_the_window_follows_the_instrument_only_where_it_is_corrected():
     assert window_arguments(height, with_correction)["correct_for"]["noise"] == pytest.approx(2e-9)
 
 
-@pytest.mark.parametrize(
-    ("instrument", "attrs", "words"),
-    [
-        ({"tip_radius": 2e-6}, {}, "a.sur has nothing to be corrected for; state instrument.noise"),
-        ({"noise": 1e-9}, {"counter_face": "b.sur"}, "a.sur is a pair of faces"),
-        ({"resolution": 1e-7}, {}, "instrument.resolution = 100 nm: finer than two pixels"),
-    ],
-)
+@pytest.mark.cases
 def test_a_correction_that_cannot_be_made_is_refused(instrument, attrs, words):
     height = true_surface("random").assign_attrs(source_file="a.sur", **attrs)
     settings = {"window": {}, "instrument": instrument | {"correct": True}}

@@ -193,14 +193,7 @@ def test_a_quantity_of_the_users_own_keeps_its_description(tmp_path):
     np.testing.assert_array_equal(stored, fields["gap"].max(("y", "x")))
 
 
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"l_filter": 1e300}, "level.l_filter = 1e.300 m is far from the pixels"),
-        ({"s_filter": 1e300}, "check the unit"),
-        ({"s_filter": 1e-300}, "level.s_filter = 1e-300 m is far from"),
-    ],
-)
+@pytest.mark.cases
 def test_a_filter_that_no_map_has(settings, message):
     with pytest.raises(errors.SettingsError, match=message):
         level(SURFACE, **settings)

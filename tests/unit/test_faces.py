@@ -400,15 +400,7 @@ def test_a_shift_is_moved_to_the_nearest_points():
     assert 0.4 < distance.max() < 0.501
 
 
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"shifts": 0}, "composite.shifts"),
-        ({"rotations": []}, "rotations"),
-        ({"overlap": 0}, "overlap"),
-        ({"overlap": 1.5}, "overlap"),
-    ],
-)
+@pytest.mark.cases
 def test_ensembles_without_meaning(wrong, message):
     with pytest.raises(SettingsError, match=message):
         relative_positions(rough(1), rough(2), **wrong)

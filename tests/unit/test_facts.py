@@ -95,17 +95,7 @@ def test_the_form_that_was_taken_off(name, value, unit, number_text):
     assert removed["Removed form"] == f"some: {name.replace('_', ' ')} {number_text}"
 
 
-@pytest.mark.parametrize(
-    ("is_open", "message"),
-    [
-        ([[0, 0, 0], [0, 0, 0]], "at 1.00 MPa already"),
-        (
-            [[1, 0, 0], [1, 1, 0]],
-            "along x between 1.00 MPa and 5.00 MPa; along y between 5.00 MPa and 20.0 MPa",
-        ),
-        ([[1, 1, 1], [1, 1, 1]], "not up to 20.0 MPa"),
-    ],
-)
+@pytest.mark.cases
 def test_between_which_loads_the_gap_closes(is_open, message):
     loads = {f"gap_percolates_{axis}": ("load", opening) for axis, opening in zip("xy", is_open, strict=True)}
     assert facts(**loads)["Gap closes"] == message

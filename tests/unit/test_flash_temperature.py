@@ -62,15 +62,7 @@ def test_a_wave_of_heat_is_exact_at_any_speed(direction, peclet):
     np.testing.assert_allclose(warm, expected * np.ones((points, points)), atol=1e-9 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize(
-    ("conductivities", "peclet", "largest", "mean"),
-    [
-        ((50, 50), 0.01, 1, 1),
-        ((50, 50), 10, 0.96, 0.93),
-        ((50, 50), 50, 0.88, 0.82),
-        ((50, 0.3), 50, 0.99, 0.99),
-    ],
-)
+@pytest.mark.cases
 def test_how_much_too_cool_heat_across_the_gap_makes_a_patch(conductivities, peclet, largest, mean):
     """Against equal temperatures in the contact alone, which heat alone enters: a dense solution."""
     n, length, radius, diffusivity = 96, 1e-3, 5e-5, 14e-6

@@ -334,16 +334,7 @@ def test_contact_at_the_border_is_refused_with_a_size():
         rc.solve_contact(block, force=1e-3, **STEEL)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"force": None}, "force, boundary 'free': missing"),
-        ({"mean_pressure": 1e-3}, "mean_pressure, boundary 'free'.* force in N"),
-        ({"zero_frequency": "lattice"}, "zero_frequency, boundary 'free': the approach"),
-        ({"boundary": "periodic"}, "force, boundary 'periodic': give the mean_pressure"),
-        ({"boundary": "open"}, "boundary = 'open'"),
-    ],
-)
+@pytest.mark.cases
 def test_options_that_do_not_fit(options, message):
     with pytest.raises(rc.SettingsError, match=message):
         rc.solve_contact(paraboloid(10.0, 10.0, 32), **STEEL | {"force": 1e-3} | options)

@@ -83,15 +83,7 @@ def test_sliding_on_layers_is_refused():
         rc.contact_statistics(contact, friction=sliding, bodies=bodies)
 
 
-@pytest.mark.parametrize(
-    ("friction", "text"),
-    [
-        ({"shear_strength": "100 GPa"}, ""),
-        ({"shear_strength": "150 GPa"}, "coefficient of friction by the area is 6.5"),
-        ({"coefficient": 0.3, "speed": "1 mm/s"}, ""),
-        ({"coefficient": 0.3, "speed": "10 mm/s"}, "which no solid bears"),
-    ],
-)
+@pytest.mark.cases
 def test_friction_in_a_wrong_unit_is_doubted(friction, text):
     statistics = statistics_with(friction, relative_pressure=0.1)
     doubts = {reason["check"]: reason["text"] for reason in json.loads(statistics.attrs["reasons"])}

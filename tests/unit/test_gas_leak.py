@@ -44,16 +44,7 @@ def test_a_gas_slips_at_the_mean_pressure_in_the_narrowest_place():
     assert slipping["leak_rate_y"] == pytest.approx(gas["leak_rate_y"])
 
 
-@pytest.mark.parametrize(
-    ("seal", "outcome", "text"),
-    [
-        ({}, "review", "that of an incompressible fluid"),
-        ({"outlet_pressure": 1e5}, "review", "slip is left out"),
-        ({"outlet_pressure": 1e5, "mean_free_path": 68e-9}, "passed", "includes its slip"),
-        ({"outlet_pressure": 1e5, "mean_free_path": 1e-3}, "review", "beyond what is known"),
-        ({"pressure_difference": 2e6, "outlet_pressure": 1e5}, "review", "it would lift them"),
-    ],
-)
+@pytest.mark.cases
 def test_the_check_of_the_fluid(seal, outcome, text):
     attrs = {f"seal_{key}": value for key, value in (AIR | seal).items()}
     columns = {"leak_rate_x": [1e-9], "critical_constriction_x": [1e-6], "critical_constriction_y": [0.0]}

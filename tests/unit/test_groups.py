@@ -314,18 +314,7 @@ def test_a_map_that_stands_off_is_named_and_stays():
     assert group["mean_gap"].item() == pytest.approx(np.exp(np.mean(np.log(gaps))))
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"modulus": 2e9}, "group g: a was solved with E* = 1.00 GPa and b with 2.00 GPa"),
-        ({"load": [3e6]}, "group g: no load in common, b begins at 3.0000 MPa and a ends at 1.0000 MPa"),
-        ({"band_shortest": 3e-6}, "the shortest of a is 1.00 µm, that of b 3.00 µm; state one band for all"),
-        (
-            {"measured_by": "stylus profiler"},
-            "a was measured by an optical profiler, b was measured by a stylus profiler",
-        ),
-    ],
-)
+@pytest.mark.cases
 def test_maps_that_do_not_answer_the_same_question(changes, message):
     attrs = {"band_shortest": 1e-6, "band_reason": "grid", "measured_by": "optical profiler"}
     maps = [one_map(1e-6, **attrs), one_map(1e-6, **attrs | changes)]

@@ -355,14 +355,7 @@ def test_a_strip_of_nanoscope_has_all_its_lines():
 
 
 @pytest.mark.shared_data
-@pytest.mark.parametrize(
-    ("channel", "rms"),
-    [
-        ("Height (trace, frame 1)", 3.153759787322164e-9),
-        ("Height (trace, frame 4)", 2.385664846424173e-9),
-        ("Height (retrace, frame 2)", 2.527799639881413e-9),
-    ],
-)
+@pytest.mark.cases
 def test_a_real_scan_of_jpk_as_afmreader_reads_it(channel, rms):
     height = read_height_map(DATA.parent / "more_data" / "sample_0.h5-jpk", channel=channel)
     assert height.shape == (128, 128)

@@ -256,15 +256,7 @@ def test_converted_line_ends_are_refused(name, tmp_path):
     refuses("it was transferred as text", tmp_path / name)
 
 
-@pytest.mark.parametrize(
-    ("name", "position", "change", "words"),
-    [
-        ("sur-3.sur", 288, b"\1", "an imprint (replica) was measured"),
-        ("sur-3.sur", 290, b"\1", "the map was inverted or mirrored"),
-        ("metropro-1.dat", 233, b"\1", "the map was inverted or mirrored"),
-        ("test_1.opd", 1067456, b"Yes", "the map was inverted or mirrored"),  # value of Data_Invert
-    ],
-)
+@pytest.mark.cases
 def test_a_header_that_speaks_of_the_sign_is_passed_on(name, position, change, words, tmp_path):
     data = bytearray((DATA / name).read_bytes())
     stop = position + len(change)

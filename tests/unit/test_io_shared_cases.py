@@ -24,16 +24,7 @@ def read(name, **arguments):
     return read_height_map(CASES / name, **arguments)
 
 
-@pytest.mark.parametrize(
-    ("name", "arguments", "columns", "channel_names"),
-    [
-        ("gwy_forward_backward.txt", {}, 36, ["Height (retrace)"]),
-        ("gwy_two_channels.txt", {}, 48, ["Phase"]),
-        ("gwy_japanese.txt", {}, 48, []),
-        ("wsxm_matrix.txt", {}, 48, []),
-        ("xpos_first_row.csv", {"dx": 0.5, "dy": 0.75, "unit": "um", "first_row": "bottom"}, 48, []),
-    ],
-)
+@pytest.mark.cases
 def test_maps(truth, name, arguments, columns, channel_names):
     height = read(name, **arguments)
     np.testing.assert_allclose(height.values, truth[:, :columns], atol=6e-11)
@@ -51,15 +42,7 @@ def test_the_unit_of_each_channel_is_kept():
     ]
 
 
-@pytest.mark.parametrize(
-    ("name", "channel", "row"),
-    [
-        ("profiles_three_german.csv", "Profil 2", 6),
-        ("named_three_profiles.csv", "Profile 1", 5),
-        ("profiles_below.csv", "Measurement 6", 6),
-        ("profile_x_restarts.csv", "profile 3", 7),
-    ],
-)
+@pytest.mark.cases
 def test_one_of_several_profiles(truth, name, channel, row):
     height = read(name, channel=channel)
     np.testing.assert_allclose(height.values, truth[row : row + 1], atol=6e-11)

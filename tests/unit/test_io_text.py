@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from measured_files import GIVEN, cells, header_lines, holds, points, refuses, saved, steps, warnings_of
+from measured_files import GIVEN, cells, holds, points, refuses, saved, steps, warnings_of
 
 from roughcontact import HeightMapError, SettingsError, inspect_file, read_height_map
 
@@ -136,7 +136,7 @@ def test_height_unit_of_the_file_stands_beside_the_unit_of_the_steps(read):
     assert "given by the user" not in warnings_of(height)
 
 
-@pytest.mark.parametrize("line", header_lines("unit of heights"))
+@pytest.mark.cases
 def test_the_unit_of_the_heights_in_words(read, line):
     holds(read(f"{line}\n1 2\n3 4\n", dx=1, dy=1, unit="um"), [[3e-9, 4e-9], [1e-9, 2e-9]])
 

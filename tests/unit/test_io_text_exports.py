@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from measured_files import GIVEN, cells, header_lines, holds, points, refuses, saved, steps, warnings_of
+from measured_files import GIVEN, cells, holds, points, refuses, saved, steps, warnings_of
 from shared_data import DATA
 
 from roughcontact import InputFileError, inspect_file, read_height_map
@@ -98,14 +98,7 @@ def test_a_first_row_that_begins_with_a_missing_point_is_a_row(read):
     holds(height, 1e-6 * np.array([[-3.25, 2.18, 1.5, 2], [np.nan, -2.44, 3.1, 0.5]]), rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "z in um\nNaN\nBAD\n1.5\n2.5\n3\n",
-        "Ra: 0,25 µm\nz in um\n?\nn/a\n1,5\n2,5\n3,0\n",
-        "Unit,um\n*\n*\n1.5\n2.5\n3\n",
-    ],
-)
+@pytest.mark.cases
 def test_a_column_of_heights_may_begin_with_missing_points(read, text):
     height = read(text, **GIVEN)
     holds(height, 1e-6 * np.array([[np.nan, np.nan, 1.5, 2.5, 3]]), rtol=1e-12)
@@ -173,7 +166,7 @@ def test_the_end_of_a_file_of_dos_and_a_blank_line_without_end(read):
     assert_trace(read("x (mm)  z (µm)\n" + trace(" ") + "   "))
 
 
-@pytest.mark.parametrize("heading", header_lines("headings of a profile"))
+@pytest.mark.cases
 def test_units_of_headings_in_both_orders(read, heading):
     assert_trace(read(f"made on Monday\n{heading}\n" + trace(";" if ";" in heading else "   ")))
 

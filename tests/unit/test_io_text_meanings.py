@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from measured_files import cells, header_lines, holds, points, warnings_of
+from measured_files import cells, holds, points, warnings_of
 
 ONE = np.round(np.random.default_rng(11).normal(size=(8, 10)), 3)  # nm
 ROWS, STEPS = cells(ONE), "dx: 0.5 µm\ndy: 0.25 µm\n"
@@ -14,21 +14,12 @@ def is_right(height, heights=ONE[::-1]):
     holds(height, 1e-9 * heights, 0.5e-6, 0.25e-6, rtol=1e-12)
 
 
-@pytest.mark.parametrize("lines", header_lines("size and unit"))
+@pytest.mark.cases
 def test_a_size_is_read_in_the_words_around_it(read, lines):
     is_right(read(f"{lines}\n{ROWS}"))
 
 
-@pytest.mark.parametrize(
-    "heading",
-    [
-        "Coordenada X (µm);Coordenada Y (µm);Cota (nm)",
-        "Pos. X [µm];Pos. Y [µm];Höhenwert [nm]",
-        "x-Koordinate (µm);y-Koordinate (µm);z-Koordinate (nm)",
-        "x.um.;y.um.;z.nm.",
-        "* X(µm);Y(µm);Z(nm)",
-    ],
-)
+@pytest.mark.cases
 def test_the_letter_of_an_axis_names_a_column(read, heading):
     is_right(read(f"{heading}\n{cells(points(ONE, 0.5, 0.25), ';')}"), ONE)
 
@@ -91,7 +82,7 @@ def test_a_factor_above_counts_is_asked_about(read, refused, line):
     assert read(text, ignore_lines=4).attrs["missing_points"] == 0
 
 
-@pytest.mark.parametrize(("line", "check"), header_lines("check"))
+@pytest.mark.cases
 def test_what_may_turn_scale_or_thin_the_map_is_said(read, line, check):
     height = read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}")
     assert f"line 4 says {line!r}, which is not used: check {check}" in warnings_of(height)
@@ -133,7 +124,7 @@ def test_a_conspicuous_number_of_invalid_points_is_their_marker_in_any_words(rea
     read(f"{STEPS}Z unit: nm\nOperator 2\n{counts}")
 
 
-@pytest.mark.parametrize(("line", "row"), header_lines("order of rows"))
+@pytest.mark.cases
 def test_the_order_of_the_rows_is_read(read, line, row):
     height = read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}")
     is_right(height, ONE if row == "bottom" else ONE[::-1])
@@ -156,7 +147,7 @@ def test_words_of_validity_do_not_hide_a_marker(read, refused):
     refused(f"{STEPS}Z unit: nm\nno signal -> -2500\n{cells(table)}", "there are 2 points with that height")
 
 
-@pytest.mark.parametrize("line", header_lines("usual"))
+@pytest.mark.cases
 def test_usual_lines_of_a_header_cause_no_warning(read, line):
     assert "line 4" not in warnings_of(read(f"{STEPS}Z unit: nm\n{line}\n{ROWS}"))
 
@@ -185,18 +176,7 @@ def test_profiles_as_programs_write_their_headings(read, text):
     holds(read(text), 1e-9 * ONE[:1], 0.5e-6, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    "lines",
-    [
-        "# {'pixel_size_x': 0.5, 'pixel_size_y': 0.25, 'lateral_unit': 'um', 'height_unit': 'nm'}\n",
-        "dX [µm]\t0.5\ndY [µm]\t0.25\nHeight unit\tnm\n",
-        (
-            '"Distance per pixel (X)","0.5","um"\n"Distance per pixel (Y)","0.25","um"\n'
-            '"Unit of height data","nm"\n'
-        ),
-        "Measurement area [mm]: 0.005 x 0.002\nZ-Data [nm]:\n",
-    ],
-)
+@pytest.mark.cases
 def test_headers_as_programs_write_them(read, lines):
     is_right(read(lines + (ROWS if '"' not in lines else cells(ONE, ","))))
 
@@ -247,7 +227,7 @@ def test_a_limit_of_what_is_valid_is_asked_about_where_heights_lie_beyond(read, 
     is_right(read(head + ROWS), ONE[::-1])
 
 
-@pytest.mark.parametrize("head", header_lines("comments"))
+@pytest.mark.cases
 def test_what_people_write_above_a_map(read, head):
     is_right(read("\n".join("# " + line for line in head.splitlines()) + "\n" + ROWS), ONE[::-1])
 
@@ -262,7 +242,7 @@ def test_units_of_other_columns_in_a_line_of_units(read, unit):
     is_right(read(f"X;Y;Z;Intensity\nµm;µm;nm;{unit}\n{cells(table, ';')}"), ONE)
 
 
-@pytest.mark.parametrize("line", header_lines("against headings"))
+@pytest.mark.cases
 def test_a_line_above_headings_that_they_do_not_agree_with_is_said(read, line):
     table = cells(np.column_stack([np.arange(10.0) / 2, ONE[0]]), ";")
     height = read(f"{line}\nx [µm];z [nm]\n{table}")

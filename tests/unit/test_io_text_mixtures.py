@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from measured_files import cells, header_lines, holds, points, warnings_of
+from measured_files import cells, holds, points, warnings_of
 
 from roughcontact.io.inspection import inspect_file
 
@@ -173,20 +173,20 @@ def test_columns_of_points_in_several_units(read):
 # ---------------------------------------------------------------- headers
 
 
-@pytest.mark.parametrize(("lines", "words"), header_lines("contradiction"))
+@pytest.mark.cases
 def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, words):
     text = f"{lines}\nZ unit: nm\n{ROWS}"
     refused(text, words)
     holds_nm(read(text, dx=0.5, dy=0.25, unit="um"), ONE[::-1])
 
 
-@pytest.mark.parametrize("lines", header_lines("size"))
+@pytest.mark.cases
 def test_statements_that_agree_are_used(read, lines):
     for how in ("plain", "quoted", "apart", "closed"):
         holds_nm(read(dressed(f"{lines}\nZ unit: nm\n{ROWS}", how)), ONE[::-1])
 
 
-@pytest.mark.parametrize("line", header_lines("units of axes"))
+@pytest.mark.cases
 @pytest.mark.parametrize("separator", [" ", ",", ";", "\t"])
 def test_a_line_gives_the_units_of_the_axes(read, line, separator):
     holds_nm(read(f"{line}\n{cells(points(ONE, 0.5, 0.25), separator)}"), ONE)
@@ -238,7 +238,7 @@ def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refus
     read(f"Photon counts: 30\nBit resolution: 16\n{counts}", **GIVEN)
 
 
-@pytest.mark.parametrize(("line", "words"), header_lines("doubt"))
+@pytest.mark.cases
 def test_statements_that_are_not_understood_are_said(read, line, words):
     height = read(f"{line}\n{ROWS}", **GIVEN)
     assert re.search(words, warnings_of(height))
@@ -268,15 +268,7 @@ PROFILE = list(zip(X, ONE[0], strict=True))
 
 
 @pytest.mark.parametrize("separator", [";", "\t", ","])
-@pytest.mark.parametrize(
-    ("heading", "cell", "words"),
-    [
-        ("remark", ["start"] + [""] * 9, "column 3 .'remark', 'start'. holds words and is left out"),
-        ("state", ["ok"] * 10, "column 3 .'state', 'ok'. holds words"),
-        ("state", ["", "0.5 late"] + [""] * 8, "column 3"),
-        ("", ["Ra|0.25", "Rz|1.5"] + ["|"] * 8, "column 3 .'', 'Ra'. holds words"),
-    ],
-)
+@pytest.mark.cases
 def test_words_beside_a_table_are_left_out_with_a_word(read, separator, heading, cell, words):
     rows = [f"{x:g};{z:g};{word.replace('|', ';')}" for (x, z), word in zip(PROFILE, cell, strict=True)]
     closing = ";" * ("|" in cell[0])
@@ -314,15 +306,7 @@ def test_a_heading_that_contradicts_the_positions_is_said(read):
     assert "the positions" not in warnings_of(read(f"dx: 500 nm\nx (µm);z (nm)\n{TRACE}"))  # the same step
 
 
-@pytest.mark.parametrize(
-    ("line", "words"),
-    [
-        ("Z unit: µm", "line 1 says 'Z unit: µm', .* says '.*nm.*'.* do not agree; correct one"),
-        ("Unit: mm", "line 1 says 'Unit: mm', a heading says 'nm': their units do not agree; correct one"),
-        ("Z factor: 0.1", "a column is in 'nm', and the header says a factor"),
-        ("Z factor: 1 µm", "a column is in 'nm', and the header says a factor|'Z factor: 1 µm', line 2 says"),
-    ],
-)
+@pytest.mark.cases
 @pytest.mark.parametrize("heading", ["x (µm);z (nm)", "z nm", "Height [nm]"])
 def test_a_header_that_contradicts_the_unit_of_a_column_is_refused(refused, line, words, heading):
     table = TRACE if ";" in heading else columns(ONE[0])
@@ -409,13 +393,13 @@ def test_what_a_map_needs_has_a_source(read, tmp_path):
     assert "dy" not in origins
 
 
-@pytest.mark.parametrize("line", header_lines("another step"))
+@pytest.mark.cases
 def test_a_step_of_any_name_that_the_size_contradicts_is_asked_about(read, refused, line):
     refused(matrix(*SIZED, line), f"line 4 says {re.escape(repr(line))}, .* agree.*dx, dy and unit")
     holds_nm(read(matrix(*SIZED, line), **GIVEN), ONE[::-1])
 
 
-@pytest.mark.parametrize(("line", "doubted"), header_lines("length without use"))
+@pytest.mark.cases
 def test_a_length_that_nothing_uses_is_named(read, line, doubted):
     height = read(matrix(*SIZED, line))
     holds_nm(height, ONE[::-1])
@@ -451,7 +435,7 @@ def test_the_length_of_one_count_is_its_factor(read, line):
     holds_nm(read(matrix(line, heights=counts), **GIVEN), counts[::-1] / 10)
 
 
-@pytest.mark.parametrize("line", header_lines("factor"))
+@pytest.mark.cases
 def test_a_factor_above_counts_is_asked_about_in_any_words(read, refused, line):
     counts = np.round(100 * ONE)
     refused(

@@ -46,19 +46,7 @@ def test_rows_that_cannot_be_cut(read, rows, words):
     assert words in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("column", "cell", "words"),
-    [
-        (
-            "counter_face",
-            "b.txt",
-            "a is a pair of faces (counter_face), which has several placements instead",
-        ),
-        ("before", "b", "a is the same place as another surface"),
-        ("repeat_of", "b", "a is the same place as another surface"),
-        ("lay", "none", "profiles with lay = none are solved together"),
-    ],
-)
+@pytest.mark.cases
 def test_what_is_solved_together_with_something_is_not_cut(read, column, cell, words):
     with pytest.raises(rc.SettingsError, match="line 2, parts = 2x2: ") as caught:
         read(f"a\ta.txt\t2x2\t{cell}", "b\tb.txt\t\t", header=f"surface\tpath\tparts\t{column}")

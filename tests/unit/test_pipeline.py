@@ -105,14 +105,7 @@ def test_fields_are_handed_on_and_not_kept(rough):
     assert solution["mean_pressure"].values.tolist() == [4e6, 1e6]
 
 
-@pytest.mark.parametrize(
-    ("sections", "message"),
-    [
-        ({}, "no elasticity given"),
-        ({"contact": {"contact_modulus": "115 mm"}}, "contact.contact_modulus"),
-        ({"contact": {"contact_modulus": 1e9}, "level": {"ordre": 2}}, "did you mean order?"),
-    ],
-)
+@pytest.mark.cases
 def test_settings_are_refused_as_those_of_a_configuration(rough, sections, message):
     with pytest.raises(rc.SettingsError, match=message.replace("?", r"\?")):
         rc.evaluate(rough, **sections)
@@ -125,22 +118,7 @@ def test_keys_of_the_contact_are_given_flat_as_to_the_solver(rough):
     assert flat.identical(section)
 
 
-@pytest.mark.parametrize(
-    ("keywords", "message"),
-    [
-        (
-            {"shortest_wavelength": 1e-6},
-            r"shortest_wavelength: is no key .* window={'shortest_wavelength': ...}",
-        ),
-        ({"contact_modulu": 1e9}, r"contact_modulu: is no key .* did you mean contact_modulus\?"),
-        ({"contact_modulus": 1e9, "contact": {"contact_modulus": 1e9}}, "contact_modulus: is given twice"),
-        (
-            {"contact_modulus": 1e9, "contact": {"bodies": ["steel", "PEEK"]}},
-            "contact_modulus and bodies given",
-        ),
-        ({"contact_modulus": 1e9, "channel": "Height"}, "channel: of a file, the source is a map"),
-    ],
-)
+@pytest.mark.cases
 def test_other_keywords_are_answered_by_the_section_they_belong_to(rough, keywords, message):
     with pytest.raises(rc.SettingsError, match=message):
         rc.evaluate(rough, **keywords)

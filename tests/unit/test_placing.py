@@ -49,14 +49,7 @@ def test_a_map_is_found_where_it_was_cut_out(field, rotation, scale):
     assert place.uncertainty < placing.MAX_UNCERTAINTY
 
 
-@pytest.mark.parametrize(
-    ("rotation", "scale", "words"),
-    [
-        (6.0, 1.0, "turned by 3.0° or more"),
-        (0.0, 1.1, "4.00 % or more longer"),
-        (0.0, 0.9, "4.00 % or more shorter"),
-    ],
-)
+@pytest.mark.cases
 def test_a_map_turned_or_stretched_beyond_the_search_is_said_to_be_so(field, rotation, scale, words):
     place = placing.place_of(level(field[FINE]), overview_of(field, rotation=rotation, scale=scale))
     assert words in str(place)

@@ -103,15 +103,7 @@ def test_without_an_interval_nothing_is_said():
     assert not [name for name in add_precision(numbers) if str(name).endswith("_known")]
 
 
-@pytest.mark.parametrize(
-    ("value", "lower", "upper", "closed"),
-    [
-        (5e-10, 1e-11, 4e-9, True),
-        (2e-9, 1e-9, 4e-9, False),
-        (0.0, 0.0, 0.0, True),
-        (2e-9, 0.0, np.nan, False),
-    ],
-)
+@pytest.mark.cases
 def test_a_mean_gap_of_some_atoms_is_closed(value, lower, upper, closed):
     ends = {"mean_gap": [value], "mean_gap_lower": [lower], "mean_gap_upper": [upper]}
     numbers = {name: np.array(each) for name, each in ends.items()}

@@ -12,16 +12,7 @@ def test_prefix(value, unit, factor, symbol):
     assert prefix(value, unit) == (factor, symbol)
 
 
-@pytest.mark.parametrize(
-    ("lower", "upper", "text"),
-    [
-        (1e6, 2e6, "1.00 to 2.00 MPa"),
-        (1e6, np.inf, "1.00 or more MPa"),
-        (np.nan, 2e6, "2.00 or less MPa"),
-        (np.nan, np.nan, "–"),
-        (-np.inf, np.inf, "–"),  # nothing is known either
-    ],
-)
+@pytest.mark.cases
 def test_ends_stand_with_their_unit_where_one_is_known(lower, upper, text):
     assert Unit(1e-6, "MPa").ends(lower, upper) == text
 

@@ -60,18 +60,7 @@ def test_what_was_done_is_a_note_of_the_results(rough):
     assert "Cropped to 30.0 µm" in check.finding
 
 
-@pytest.mark.parametrize(
-    ("texts", "message"),
-    [
-        (
-            {"crop": "0 0 0.05 0.06 m"},
-            "the map: crop = 0 0 0.05 0.06 m: reaches beyond the map, which is 50.0 µm along x and",
-        ),
-        ({"mask": "-3 0 4 4 um"}, "reaches beyond the map"),
-        ({"crop": "0.6 1.1 1.4 2.9 um"}, "no point lies in a rectangle; draw it larger than 1.00 µm"),
-        ({"mask": "0 0 50 60 um"}, "the map: crop and mask leave no measured point; draw them smaller"),
-    ],
-)
+@pytest.mark.cases
 def test_rectangles_that_do_not_fit_the_map(texts, message, rough):
     with pytest.raises(HeightMapError) as raised:
         used_region(rough, **texts)

@@ -156,20 +156,7 @@ def test_maps_of_a_kept_file_are_written_too(tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    ("files", "output", "message"),
-    [
-        (1, "result.doc", "end it with one of .nc, .csv, .xlsx, .html, .png, .vti, .tiff, .gsf"),
-        (1, "result", "end it with one of .nc"),
-        (
-            2,
-            "result.nc",
-            "is of one map, 2 are given; `roughcontact init` and `run` write the results of several",
-        ),
-        (1, "small 1.nc", "is the measured file itself; choose another name"),
-        (1, "folder.nc", "is a folder; choose another name"),
-    ],
-)
+@pytest.mark.cases
 def test_what_cannot_be_written_is_refused_before_anything_is_solved(
     measured, capsys, monkeypatch, files, output, message
 ):

@@ -201,17 +201,7 @@ def test_a_job_that_was_ended_is_explained_on_the_screen_and_in_its_record(tmp_p
     assert read_record(log).get("error", "").startswith(said)
 
 
-@pytest.mark.parametrize(
-    ("log_text", "message"),
-    [
-        ("slurmstepd: error: Exceeded job memory limit", "took more memory than the 900 MB it had asked for"),
-        (
-            "error: Detected 1 oom_kill event in StepId=7.0",
-            "took more memory than the 900 MB it had asked for",
-        ),
-        ("CANCELLED AT 2026 DUE TO TIME LIMIT ***", "took longer than the 5 minutes it had asked for"),
-    ],
-)
+@pytest.mark.cases
 def test_a_job_that_a_cluster_has_killed_is_explained_by_its_log_and_tried_again(tmp_path, log_text, message):
     (log := tmp_path / "panel.log").touch()
     (aside := tmp_path / "slurm.log").write_text(f"{log_text}\n")

@@ -464,16 +464,7 @@ def test_where_rounding_stops_the_iteration_there_is_no_flow_factor():
         assert np.isnan(noisy[name]) or noisy[name] == pytest.approx(clean[name], rel=1e-4), name
 
 
-@pytest.mark.parametrize(
-    ("viscosity", "difference", "doubted", "words"),
-    [
-        (1e-3, 9e5, [], ""),
-        (1e-3, 1.1e6, [0], "The fluid presses with up to 1.10 MPa, more than the bodies at 1 of 3 loads"),
-        (1e-3, 1e8, [0, 1, 2], "more than the bodies at 3 of 3 loads"),
-        (1.8e-5, 1.0133e5, [0, 1, 2], "State outlet pressure and mean free path of the gas"),
-        (1.8e-5, 1.1e6, [0, 1, 2], "more than the bodies at 1 of 3 loads"),
-    ],
-)
+@pytest.mark.cases
 def test_a_fluid_that_lifts_the_seal_or_is_a_gas_is_named(viscosity, difference, doubted, words):
     seal = {"viscosity": viscosity, "pressure_difference": difference, "width": 1e-3}
     height = self_affine((64, 64), 1e-6, (8e-6, 32e-6), rms_height=1e-7, seed=0)

@@ -174,15 +174,7 @@ def test_two_bodies_give_the_contact_modulus():
     assert settings["contact"]["contact_modulus"] == pytest.approx(1e6 / 0.75, rel=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [
-        ("{1: 2, contact: {contact_modulus: 1 GPa}}", "the settings: the key 1 is no text, valid are surf"),
-        ("{true: 2, contact: {contact_modulus: 1 GPa}}", "the settings: the key True is no text, valid are"),
-        ("{contact: {contact_modulus: 1 GPa}, level: {1: 2}}", "level: the key 1 is no text, valid are form"),
-        ("{contact: {contact_modulus: 1 GPa, null: 2}}", "contact: the key None is no text, valid are cont"),
-    ],
-)
+@pytest.mark.cases
 def test_a_key_that_is_no_text_is_named(text, line):
     (mistake,) = mistakes(yaml.safe_load(text))
     assert mistake.startswith(line)
@@ -234,15 +226,7 @@ def test_what_all_cases_give_need_not_stand_above():
     assert [case["contact"]["contact_modulus"] for case in cases.values()] == [1e9, 2e9]
 
 
-@pytest.mark.parametrize(
-    ("cases", "message"),
-    [
-        ({"a b": {}}, "cases.a b: "),
-        ({"a": 3}, "cases.a = 3"),
-        ({"a": {"surfaces": "x.tsv"}}, "cases.a.surfaces: "),
-        (["a"], "cases = ['a']: must be a mapping"),
-    ],
-)
+@pytest.mark.cases
 def test_cases_that_are_none(cases, message):
     (line,) = mistakes({"contact": {"contact_modulus": 1e9}, "cases": cases})
     assert line.startswith(message)

@@ -2,7 +2,6 @@
 
 import math
 import re
-from pathlib import Path
 from typing import get_args, get_origin
 
 import pytest
@@ -377,11 +376,7 @@ def test_what_excludes_each_other_is_said_in_one_sentence(contact, line):
     assert said({"contact": contact, "cases": {"one": {}, "two": {}}}) == (line, ())
 
 
-WRONG_SETTINGS = Path(__file__).with_name("wrong_settings.tsv").read_text(encoding="utf-8")
-WRONG = [line.split("\t") for line in WRONG_SETTINGS.splitlines()[1:]]
-
-
-@pytest.mark.parametrize(("settings", "words"), WRONG, ids=[words for _, words in WRONG])
+@pytest.mark.cases
 def test_settings_that_do_not_fit_have_one_sentence(settings, words):
     assert re.search(words, said(yaml.safe_load(f"{{{settings}}}"))[0])
 

@@ -150,14 +150,7 @@ def test_the_map_that_is_given_stays_as_it_is(surface):
     xr.testing.assert_identical(height, original)
 
 
-@pytest.mark.parametrize(
-    ("options", "way"),
-    [
-        ({"unit": "um", "height_unit": "nm"}, (500.0e-3, 250.0e-3)),
-        ({"height_unit": "nm"}, ("0.5 um", "250 nm")),
-        ({"unit": "mm", "height_unit": "nm"}, ("0.5 um", 250e-6)),
-    ],
-)
+@pytest.mark.cases
 def test_a_map_from_an_array(options, way):
     values = np.ma.masked_equal([[1, 2, 3], [4, -1, 6]], -1)
     height = rc.height_map(values, way, **options)

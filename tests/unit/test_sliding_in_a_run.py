@@ -108,14 +108,7 @@ def test_a_range_of_the_modulus_is_part_of_the_interval(name, factor):
     assert (wider > width).all()
 
 
-@pytest.mark.parametrize(
-    ("rubber", "contact", "refused"),
-    [
-        ({}, {"hardness": "5 MPa"}, True),
-        ({"hardness": "5 MPa"}, {}, True),
-        ({}, {}, False),  # that of the steel, which the rubber does not reach
-    ],
-)
+@pytest.mark.cases
 def test_a_hardness_that_sliding_rubber_would_not_have_is_refused(rubber, contact, refused):
     series = {"long_time_modulus": 3e6, "moduli": [27e6], "times": [1e-4]}
     bodies = [{"relaxation": series} | rubber, "steel"]

@@ -284,15 +284,7 @@ def test_a_step_that_changes_the_precision_leaves_points_at_the_cap(lengths, lik
     assert moved.mean() == pytest.approx(0.1, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("pressure", "load", "expected"),
-    [
-        ([1.0, 0.5, 0.0, 0.0], 0.5, 2.0),
-        ([1.0, 1.0, 0.5, 0.0], 0.5, 0.0),
-        ([1.0, 1.0, 1.0, 0.5], 0.5, -2.0),  # the points at the cap carry more than the load
-        ([1.0, 0.0, 0.0, 0.0], 0.5, np.inf),  # no other carries any
-    ],
-)
+@pytest.mark.cases
 def test_the_factor_below_the_cap_that_makes_up_the_load(pressure, load, expected):
     assert scale_below_cap(np.array(pressure), load, 1.0) == expected
 

@@ -535,15 +535,7 @@ def test_patches_of_oblong_pixels_are_counted_by_their_area():
     assert statistics.sizes["patch_bin"] == 46  # five per factor of ten of one pixel to 1e9, and what is less
 
 
-@pytest.mark.parametrize(
-    ("flow", "seal", "has_flow"),
-    [
-        ("auto", None, False),
-        ("auto", {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 0.01}, True),
-        ("always", None, True),
-        ("never", None, False),
-    ],
-)
+@pytest.mark.cases
 def test_the_flow_is_solved_for_seals_and_where_asked_for(flow, seal, has_flow):
     pressure = np.zeros((1, 8, 9))
     pressure[0, 3, 4] = 1e6

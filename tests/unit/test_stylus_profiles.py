@@ -194,14 +194,7 @@ def test_profiles_without_a_surface(change, message):
         rc.surface_from_profiles(change(rows(rough())))
 
 
-@pytest.mark.parametrize(
-    ("lay", "message"),
-    [
-        ("along", "runs on one ridge and shows nothing of the others"),
-        ("isotropic", "choose across or none"),
-        ("across", "are ridges, and are solved as they are"),
-    ],
-)
+@pytest.mark.cases
 def test_other_lays_have_no_surface(lay, message):
     with pytest.raises(SettingsError, match=message):
         rc.surface_from_profiles(rows(rough()), lay=lay)

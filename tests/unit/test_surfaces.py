@@ -411,14 +411,7 @@ def test_profiles_across_a_lay_are_solved_with_those_along_it(table):
     assert more_surfaces["w"].read_arguments["along"] == along
 
 
-@pytest.mark.parametrize(
-    ("row", "message"),
-    [
-        ("y\ty.csv\t\talong\t", "line 3, lay = along: a profile along the lay runs on one ridge"),
-        ("y\ty.csv\tground\talong\t", "give it the group of profiles with lay = across"),
-        ("y\ty.csv\tturned\talong\tx", "line 3, lay = along: y is not solved by itself; leave counter_face"),
-    ],
-)
+@pytest.mark.cases
 def test_profiles_along_a_lay_are_no_surfaces(table, row, message):
     table_message = mistakes(table("surface\tpath\tgroup\tlay\trepeat_of", "x\tx.csv\tturned\tacross\t", row))
     assert message in table_message
@@ -472,14 +465,7 @@ def test_what_maps_of_a_group_have_in_common_is_measured_once(table, rows, messa
     assert [row.specimen for row in surfaces.values()] == ["", *["b"] * 4, *["c"] * 2]
 
 
-@pytest.mark.parametrize(
-    ("cell", "rule"),
-    [
-        ("-1 nm", "must be greater than 0"),
-        ("much", "must be a finite number"),
-        ("2", "2.00 m is more than is plausible .*; did you mean 2.00 µm or 2.00 nm"),
-    ],
-)
+@pytest.mark.cases
 def test_a_noise_that_is_no_length_is_refused(table, cell, rule):
     with pytest.raises(SettingsError, match=rf"line 2, noise = '{cell}': {rule}.*\(measurement noise"):
         read_surfaces(table("surface\tpath\tnoise", f"a\ta.npy\t{cell}"))
@@ -509,15 +495,7 @@ def test_positions_of_overviews_are_one_for_each_file(table):
     assert surfaces["d"].read_arguments["overview"] == [{"path": "b.txt"}]
 
 
-@pytest.mark.parametrize(
-    ("overview", "position", "mistake"),
-    [
-        ("b.txt; c.txt", "elsewhere", "1 position for 2 overviews; give one for each, between semicolons"),
-        ("", "elsewhere", "1 position for 0 overviews"),
-        ("b.txt", "300, 250 um", "must be x and y of the middle of the map, from the lower left corner"),
-        ("b.txt", "300 250 bar", "bar"),
-    ],
-)
+@pytest.mark.cases
 def test_a_wrong_position_of_an_overview_is_a_mistake_of_the_table(table, overview, position, mistake):
     path = table("surface\tpath\toverview\toverview_position\tunit", f"a\ta.txt\t{overview}\t{position}\tum")
     with pytest.raises(SettingsError, match=f"line 2, overview_position = .*{mistake}"):

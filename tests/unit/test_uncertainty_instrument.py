@@ -307,15 +307,7 @@ def test_a_part_shows_what_short_waves_change_of_a_large_window(monkeypatch):
         assert by_part[name][1] == pytest.approx(whole[name][1], rel=0.01)
 
 
-@pytest.mark.parametrize(
-    ("statement", "words"),
-    [
-        ({"noise": -1e-9}, "instrument.noise = -1e-09"),
-        ({"noise": 1.0}, r"noise = 1.00 m: larger than the rms height of the map \([\d.]+ .m\); correct the"),
-        ({"tip_radius": 1.0}, "larger than the map"),
-        ({"resolution": 1e-7}, "finer than two pixels"),
-    ],
-)
+@pytest.mark.cases
 def test_a_statement_that_cannot_be_true_is_refused(surface, statement, words):
     with pytest.raises(SettingsError, match=words):
         check_instrument(surface, statement)

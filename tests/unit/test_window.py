@@ -278,16 +278,7 @@ def test_a_blended_point_counts_as_filled_where_a_filled_one_has_a_weight():
     assert np.argwhere(window["filled"].values == 1).tolist() == [[15, 97]]
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"method": "miror"}, "method = 'miror': did you mean 'mirror'"),
-        ({"placement": "largets"}, "placement = 'largets': did you mean 'largest'"),
-        ({"method": "hann"}, "method = 'hann'"),
-        ({"width": 0.7}, "window.width = 0.7"),
-        ({"min_share": 2}, "window.min_share = 2"),
-    ],
-)
+@pytest.mark.cases
 def test_options_without_meaning(options, message):
     with pytest.raises(SettingsError, match=message):
         periodic_window(cut_out(), **options)
@@ -333,15 +324,7 @@ def test_a_periodic_map_begins_where_it_begins_and_is_not_changed():
     assert (window.attrs["window_offset_x"], window.attrs["window_offset_y"]) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("method", "ending"),
-    [
-        ("mirror", "made periodic by mirror, which leaves 256 × 200 points."),
-        ("cross-fade", "made periodic by cross-fade, which leaves 108 × 90 points."),
-        ("taper", "made periodic by taper."),
-        ("raw", "its edges are left as they are."),
-    ],
-)
+@pytest.mark.cases
 def test_the_reason_names_the_points_that_are_left_where_that_is_another_number(method, ending):
     window = periodic_window(level(cut_out((100, 130))), method=method)
     assert window.attrs["window_reason"].endswith(f"; {ending}")
