@@ -168,3 +168,24 @@ def test_one_point_at_the_extreme_of_a_small_map_is_no_saturation(shape):
     height.flat[np.argsort(height, axis=None)[-2]] = height.max()
     (saturated,) = [doubt.finding for doubt in suspicions(height, 1e-6, 1e-6) if "exactly" in doubt.finding]
     assert "exactly the highest height" in saturated
+
+
+def test_an_empty_cell_at_the_end_of_a_later_row_is_a_missing_point(read):
+    text = cells(ROUGH[:4, :4], ";").replace(f"{ROUGH[1, 3]}\n", "\n", 1)
+    assert text.count(";\n") == 1
+    holds(read(text, **GIVEN), 1e-9 * without((1, 3))[:4, :4][::-1])
+
+
+def test_a_line_that_is_half_words_is_a_heading(read):
+    holds(read("scan 1 of 2\n" + cells(ROUGH[:3, :4], " "), **GIVEN), 1e-9 * ROUGH[:3, :4][::-1])
+
+
+@pytest.mark.parametrize(("lines_with_result", "is_channel"), [(2, True), (1, False)])
+def test_results_beside_remarks_are_heights_where_half_the_rows_have_them(
+    read, lines_with_result, is_channel
+):
+    results = ["0.25"] * lines_with_result + [""] * (4 - lines_with_result)
+    rows = [f"{x};{1.5 + x};kept;{result}" for x, result in enumerate(results)]
+    height = read("\n".join(["x (um);z (nm);note;R", *rows]), unit="um")
+    holds(height, [1e-9 * (1.5 + np.arange(4))])
+    assert ("the first height channel of 2" in warnings_of(height)) == is_channel
