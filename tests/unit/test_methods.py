@@ -1,11 +1,14 @@
 """The paragraph of methods: its numbers are those of the file, its words those of the settings."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
 from known_surfaces import self_affine
 
 from roughcontact import evaluate, self_affine_surface, write_dataset
+from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import quantity, with_interval
 from roughcontact.interface.program import main
 from roughcontact.report.methods import methods_paragraph
@@ -43,6 +46,12 @@ def test_the_words_are_those_of_the_settings(statistics):
     assert "steel (207 GPa, ν 0.30, hardness 1.40 GPa, yield stress 250 MPa) on PEEK (3.80 GPa" in text
     assert "the pressure limited to the hardness of 250 MPa" in text
     assert "made periodic (smooth-cross-fade)" in text
+    cells = {"mask": "0 0 9 9 um; 20 0 30 9 um", "parts": [1, 1, 2, 1], "place": []}
+    settings = json_attribute(statistics.attrs, "settings") | {"surface": cells}
+    used = methods_paragraph(statistics.assign_attrs(settings=json.dumps(settings)))
+    corners = "(corners from the lower left one)"
+    assert f"without those within 0 0 9 9 um; 20 0 30 9 um {corners}, part 1-1 of 2x1, cut to what" in used
+    assert "show, were taken relative" in used
 
 
 def test_the_range_of_a_hardness_has_its_own_unit_under_the_loads_of_rubber(statistics):
