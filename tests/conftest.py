@@ -47,15 +47,15 @@ def read(tmp_path):
 
 
 @pytest.fixture
-def refused(tmp_path):
+def refusal(tmp_path):
     """A function that asserts that the content of a file is refused in such words."""
 
     from measured_files import refuses, saved
 
-    def _refused(content, words, *, name="map.dat", encoding="utf-8", **arguments):
+    def _refusal(content, words, *, name="map.dat", encoding="utf-8", **arguments):
         return refuses(words, saved(tmp_path, content, name, encoding), **arguments)
 
-    return _refused
+    return _refusal
 
 
 @pytest.fixture

@@ -70,26 +70,26 @@ def test_x3p(read, options, rtol):
 
 
 @pytest.mark.parametrize("encoding", [b"UTF-1.0", b"hex", b"rot13"])
-def test_x3p_of_an_unknown_encoding_or_of_one_that_is_no_text_is_refused(refused, tmp_path, encoding):
+def test_x3p_of_an_unknown_encoding_or_of_one_that_is_no_text_is_refused(refusal, tmp_path, encoding):
     def encoded(main):
         return b'<?xml version="1.0" encoding="' + encoding + b'"?>' + main.partition(b"?>")[2]
 
-    refused(x3p_bytes(edit=encoded), words := r"map\.dat: not readable as X3P .*encoding")
+    refusal(x3p_bytes(edit=encoded), words := r"map\.dat: not readable as X3P .*encoding")
     with pytest.raises(InputFileError, match=words):
         inspect_file(tmp_path / "map.dat")
 
 
-def test_x3p_whose_numbers_were_changed_is_refused(refused):
+def test_x3p_whose_numbers_were_changed_is_refused(refusal):
     content = members(x3p_bytes())
     (name,) = (member_name for member_name in content if member_name.endswith("data.bin"))
-    refused(archive(content | {name: content[name][:-1] + b"\0"}), "not readable as X3P")
+    refusal(archive(content | {name: content[name][:-1] + b"\0"}), "not readable as X3P")
 
 
-def test_x3p_layers_profile_and_points(read, refused, tmp_path):
+def test_x3p_layers_profile_and_points(read, refusal, tmp_path):
     data = x3p(np.stack([HEIGHTS, 2 * HEIGHTS]), DX, DY)
     assert read(data).attrs["channel"] == "layer 1"
     holds(read(data, channel="layer 2"), 2 * HEIGHTS, DX, DY)
-    refused(data, r"no channel is named 'layer 3'; the file has 'layer 1', 'layer 2'", channel="layer 3")
+    refusal(data, r"no channel is named 'layer 3'; the file has 'layer 1', 'layer 2'", channel="layer 3")
     holds(read(x3p(HEIGHTS[0], DX)), HEIGHTS[:1], DX)
     x3pio.write_points(tmp_path / "points.x3p", np.random.default_rng(0).random((10, 3)))
     refuses(r"point cloud.*resample = linear", tmp_path / "points.x3p")
@@ -108,7 +108,7 @@ def stored_positions(x, y, heights):
     return x3p(heights, storage=x3pio.DataStorage.XML, edit=absolute)
 
 
-def test_x3p_with_stored_positions(read, refused):
+def test_x3p_with_stored_positions(read, refusal):
     heights = np.nan_to_num(HEIGHTS)
     x, y = np.meshgrid(1e-5 + DX * np.arange(4), DY * np.arange(3))
     for turned in (1, -1):  # rising and falling along both axes
@@ -117,7 +117,7 @@ def test_x3p_with_stored_positions(read, refused):
     uneven = {"not evenly spaced": 1e5 * x**2, "not lie on a rectangular grid": x + 0.2 * y}
     for words, along in uneven.items():
         data = stored_positions(along, y, 0.1 * along)
-        refused(data, f"{words}.*resample = linear")
+        refusal(data, f"{words}.*resample = linear")
         plane = read(data, resample="linear")
         assert np.isfinite(plane).any()
         np.testing.assert_allclose((plane - 0.1 * plane.x).fillna(0), 0, atol=1e-15)
@@ -125,7 +125,7 @@ def test_x3p_with_stored_positions(read, refused):
 
 @pytest.mark.parametrize("file_format", list(sdfio.FileFormat))
 @pytest.mark.parametrize("revision", [sdfio.Revision.ISO_1_0, sdfio.Revision.ISO_2_0, sdfio.Revision.BCR_1_0])
-def test_sdf(refused, tmp_path, file_format, revision):
+def test_sdf(refusal, tmp_path, file_format, revision):
     path = tmp_path / "map.txt"
     metadata = sdfio.Metadata(revision=revision, manufacturer_id="maker", data_type=sdfio.DataType.INT32)
     sdfio.write(path, HEIGHTS, x_scale=DX, y_scale=DY, format=file_format, metadata=metadata)
@@ -133,14 +133,14 @@ def test_sdf(refused, tmp_path, file_format, revision):
     check(height, rtol=1e-6)
     assert json.loads(height.attrs["instrument"])["vendor"] == "maker"
     data = path.read_bytes()
-    refused(data[: int(0.6 * len(data))], "not readable as SDF")
-    refused(data + data, "a second SDF follows the first one")
+    refusal(data[: int(0.6 * len(data))], "not readable as SDF")
+    refusal(data + data, "a second SDF follows the first one")
 
 
 @pytest.mark.parametrize("order", "CF")
-def test_npy_needs_units(read, refused, order):
+def test_npy_needs_units(read, refusal, order):
     data = array(np.array(1e6 * HEIGHTS, order=order))
-    refused(data, "give dx, dy, unit")
+    refusal(data, "give dx, dy, unit")
     check(read(data, dx=2, dy=3, unit="um"))
     check(read(data, dx=2e-3, dy=3e-3, unit="mm", height_unit="micrometre"))
 
@@ -183,8 +183,8 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("data", "words", "options"), REFUSED, ids=[words for _, words, _ in REFUSED])
-def test_what_is_damaged_incomplete_or_no_map_is_refused(refused, data, words, options):
-    refused(data, words, **options)
+def test_what_is_damaged_incomplete_or_no_map_is_refused(refusal, data, words, options):
+    refusal(data, words, **options)
 
 
 def test_positions_in_an_array_are_said(read):
@@ -194,14 +194,14 @@ def test_positions_in_an_array_are_said(read):
     assert message not in warnings_of(read(array(heights), **GIVEN))
 
 
-def test_npy_never_unpickles(refused, tmp_path):
+def test_npy_never_unpickles(refusal, tmp_path):
     marker = tmp_path / "ran"
 
     class Payload:
         def __reduce__(self):
             return (marker.write_text, ("",))
 
-    refused(array(np.array([[Payload()]], dtype=object)), "not readable as a NumPy array", **GIVEN)
+    refusal(array(np.array([[Payload()]], dtype=object)), "not readable as a NumPy array", **GIVEN)
     assert not marker.exists()
 
 

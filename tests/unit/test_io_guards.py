@@ -16,18 +16,18 @@ from roughcontact.statistics.instrument_checks import quantisation
 HEIGHTS = np.arange(12.0).reshape(3, 4) * 1e-6
 
 
-def test_what_is_no_file(refused, tmp_path):
+def test_what_is_no_file(refusal, tmp_path):
     refuses("no such file", tmp_path / "absent.x3p")
     refuses("is a folder", tmp_path)
-    refused(b"", "the file is empty")
+    refusal(b"", "the file is empty")
     os.mkfifo(tmp_path / "pipe")
     refuses("no regular file", tmp_path / "pipe")
 
 
 @pytest.mark.parametrize("size", [1, 64, 512, 2 * 64 * 64, 2 * 128 * 128, 8 * 100 * 100])
-def test_rubbish_is_never_a_map(refused, size):
+def test_rubbish_is_never_a_map(refusal, size):
     for data in (bytes(size), b"\xff" * size, np.random.default_rng(size).bytes(size)):
-        message = refused(data, "map", name="map.hgt", **GIVEN)
+        message = refusal(data, "map", name="map.hgt", **GIVEN)
         assert len(message) < 400
         assert "\n" not in message
 
@@ -35,16 +35,16 @@ def test_rubbish_is_never_a_map(refused, size):
 PROFILE = "".join(f"{0.5 * i}\t{i * i % 7}\n" for i in range(12))
 
 
-def test_of_many_profiles_the_first_ones_are_named(refused):
-    message = refused("x (µm)\tz (nm)\n" + 30 * PROFILE, "profiles of one surface")
+def test_of_many_profiles_the_first_ones_are_named(refusal):
+    message = refusal("x (µm)\tz (nm)\n" + 30 * PROFILE, "profiles of one surface")
     assert "are 'profile 1; profile 2; ...'" in message
     assert len(message) < 600
 
 
 @pytest.mark.parametrize("heading", ["{}\tz (nm)\n", "x (µm)\tz (nm) {}\n"])
-def test_of_tables_below_one_another_long_headings_are_cut(refused, heading):
+def test_of_tables_below_one_another_long_headings_are_cut(refusal, heading):
     tables = [heading.format("abcd " * 60 + name) + PROFILE for name in "ABCD"]
-    assert len(refused("".join(tables), "4 tables below one another")) < 600
+    assert len(refusal("".join(tables), "4 tables below one another")) < 600
 
 
 BOMB = '<?xml version="1.0"?><!DOCTYPE a [<!ENTITY x "ha"><!ENTITY y "&x;&x;&x;">]><a>&y;</a>'
@@ -66,15 +66,15 @@ NO_X3P = [
 
 
 @pytest.mark.parametrize(("data", "words"), NO_X3P, ids=[words for _, words in NO_X3P])
-def test_damaged_or_hostile_x3p_is_refused(refused, data, words):
-    refused(data, words)
+def test_damaged_or_hostile_x3p_is_refused(refusal, data, words):
+    refusal(data, words)
 
 
-def test_zip_bomb_is_refused_before_it_unpacks(read, refused, monkeypatch):
+def test_zip_bomb_is_refused_before_it_unpacks(read, refusal, monkeypatch):
     monkeypatch.setattr(guards, "MAX_UNPACKED_BYTES", 10**6)
     bomb = archive(members(x3p(HEIGHTS)) | {"vendor/one.bin": bytes(12 * 10**5)})
     assert len(bomb) < 10**5
-    refused(bomb, "the archive would unpack to")
+    refusal(bomb, "the archive would unpack to")
     assert read(x3p(HEIGHTS)).shape == (3, 4)
 
 
@@ -149,9 +149,9 @@ def test_a_single_bad_point_is_no_matter_of_units():
     assert "check the height unit" not in warnings
 
 
-def test_absurd_heights_are_refused(refused):
+def test_absurd_heights_are_refused(refusal):
     message = "are no measurement: the height unit is wrong, the number marks"
-    refused(array(1e12 * rough()), message, error=HeightMapError, dx=1e-6, dy=1e-6, unit="m")
+    refusal(array(1e12 * rough()), message, error=HeightMapError, dx=1e-6, dy=1e-6, unit="m")
 
 
 @pytest.mark.parametrize(
@@ -241,11 +241,11 @@ def test_quantisation_is_compared_with_the_roughness_and_not_with_the_tilt():
     assert check.sentence.startswith("The heights are multiples of 2.0 nm, 2")
 
 
-def test_memory_is_asked_for_before_reading(read, refused, monkeypatch):
+def test_memory_is_asked_for_before_reading(read, refusal, monkeypatch):
     monkeypatch.setattr(guards, "memory_bytes", lambda: 2.0**17)
-    refused(array(rough(128)), r"128 x 128 points need 0.0 GiB of memory to be read", **GIVEN)
+    refusal(array(rough(128)), r"128 x 128 points need 0.0 GiB of memory to be read", **GIVEN)
     for data in (b"1.5 2.5\n" * 2000, b"aISO-1.0" + bytes(20000), b"AliconaImaging\0" + bytes(20000)):
-        refused(data, r"bytes of this format need", **GIVEN)
+        refusal(data, r"bytes of this format need", **GIVEN)
     monkeypatch.undo()
     assert guards.memory_bytes() > 2**20
     assert read(array(rough(128)), **GIVEN).shape == (128, 128)

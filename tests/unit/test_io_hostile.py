@@ -87,13 +87,13 @@ def traces(count):
 
 
 @pytest.mark.parametrize("make_file", [series, pages, tables, maps, traces])
-def test_more_than_ten_thousand_channels_are_refused_before_they_are_made(refused, monkeypatch, make_file):
+def test_more_than_ten_thousand_channels_are_refused_before_they_are_made(refusal, monkeypatch, make_file):
     channels_made = []
     check = channels.Channel.__post_init__
     monkeypatch.setattr(
         channels.Channel, "__post_init__", lambda self: channels_made.append(1) or check(self)
     )
-    refused(make_file(10_001), "more than the 10000 that are read; save some in a file of")
+    refusal(make_file(10_001), "more than the 10000 that are read; save some in a file of")
     assert len(channels_made) < 30_100
 
 

@@ -39,27 +39,27 @@ def surf(counts, kind=2, objects=1, *, dy=3.0, units=(b"\xb5m", b"\xb5m", b"nm")
     return header.ljust(512, b"\0") + points
 
 
-def test_packed_points_of_digital_surf(read, refused):
+def test_packed_points_of_digital_surf(read, refusal):
     for streams in (1, 3):
         data = surf(COUNTS, streams=streams)
         holds(read(data), 0.5e-9 * COUNTS[::-1], 2e-6, 3e-6, rtol=1e-12)
-        refused(data[:-1], "it was cut off")
+        refusal(data[:-1], "it was cut off")
     series = surf(COUNTS, 5, 2, streams=1) + surf(2 * COUNTS, streams=2)
     holds(read(series, channel="object 2"), 1e-9 * COUNTS[::-1], rtol=1e-12)
     assert read(surf(COUNTS, 4, streams=1), channel="object 2").shape == (1, 8)
     for position, message in ((512 + 4, "states 48 points"), (512 + 40, "its packed points are damaged")):
         damaged = bytearray(surf(COUNTS, streams=1))
         damaged[position] ^= 1
-        refused(bytes(damaged), message)
+        refusal(bytes(damaged), message)
     oversized = bytearray(surf(COUNTS, streams=1))
     oversized[108:120] = struct.pack("<2iI", 60_000, 60_000, 60_000**2 % 2**32)
-    refused(bytes(oversized), "states .* points of 32 bits in 60000 rows")
+    refusal(bytes(oversized), "states .* points of 32 bits in 60000 rows")
 
 
-def test_images_of_digital_surf_are_no_heights(read, refused):
+def test_images_of_digital_surf_are_no_heights(read, refusal):
     data = surf(COUNTS, 13, 1, streams=1) + surf(COUNTS, 10, units=(b"mm", b"mm", b""))
     assert read(data).attrs["channel"] == "object 1"
-    refused(data, "channel 'object 2' holds no heights .*an image", channel="object 2")
+    refusal(data, "channel 'object 2' holds no heights .*an image", channel="object 2")
 
 
 def test_two_programs_mark_every_file_of_digital_surf_as_an_imprint(read):
@@ -73,15 +73,15 @@ def test_two_programs_mark_every_file_of_digital_surf_as_an_imprint(read):
         assert ("an imprint (replica)" in warnings_of(read(bytes(data)))) == is_imprint
 
 
-def test_a_series_of_digital_surf_has_a_channel_for_each_object(read, refused):
+def test_a_series_of_digital_surf_has_a_channel_for_each_object(read, refusal):
     data = surf(COUNTS, 5, 3) + surf(2 * COUNTS) + surf(3 * COUNTS)
     height = read(data)
     assert json.loads(height.attrs["channels"]) == ["object 1", "object 2", "object 3"]
     assert "'object 1', the first height channel of 3, was read" in warnings_of(height)
     holds(read(data, channel="object 3"), 1.5e-9 * COUNTS[::-1], 2e-6, 3e-6, rtol=1e-12)
-    refused(surf(COUNTS, 5, 3) + surf(COUNTS), "2 objects where its header states 3")
+    refusal(surf(COUNTS, 5, 3) + surf(COUNTS), "2 objects where its header states 3")
     for cut in (1, 300):
-        refused(data[:-cut], "cut off")
+        refusal(data[:-cut], "cut off")
 
 
 def test_profiles_of_digital_surf(read):
@@ -97,9 +97,9 @@ def test_every_micro_sign_of_digital_surf(read, micro):
     assert "the axes have different units, " in warnings_of(height)
 
 
-def test_arbitrary_units_are_no_damage(read, refused):
+def test_arbitrary_units_are_no_damage(read, refusal):
     data = surf(COUNTS, units=(b"mm", b"mm", b"a.u."))
-    refused(data, r"no channel .* holds heights \('Default': values in a\.u\., no")
+    refusal(data, r"no channel .* holds heights \('Default': values in a\.u\., no")
     assert read(data, height_unit="nm").shape == (6, 8)
 
 
@@ -151,7 +151,7 @@ def nanonis(*images, direction="down", side="both"):
     return text.encode() + b"\x1a\x04" + b"".join(image.astype(">f4").tobytes() for image in images)
 
 
-def test_scans_of_nanonis(read, refused):
+def test_scans_of_nanonis(read, refusal):
     """Values are metres as they lie; the backward scan begins at the right, one upwards at the bottom."""
     heights = HEIGHTS.astype("f4").astype(float)
     stopped = np.where(np.arange(6)[:, None] < 4, heights, np.nan)
@@ -168,11 +168,11 @@ def test_scans_of_nanonis(read, refused):
         (data.replace(b"8.000000E-6", b"0.000000E-6"), "are no map"),
         (data.replace(b"both", b"none"), "its header is damaged"),
     ):
-        refused(damaged, message)
+        refusal(damaged, message)
 
 
-def test_a_scan_of_nanoscope_that_did_not_move(refused):
-    refused(
+def test_a_scan_of_nanoscope_that_did_not_move(refusal):
+    refusal(
         nanoscope(COUNTS, lines=6, image="0 0 ~m", scan="0 nm"), "its scan size is 0 0 ~m: it did not move"
     )
 
@@ -184,17 +184,17 @@ def test_a_scan_of_nanoscope_that_did_not_move(refused):
         gwy({"a": (HEIGHTS, "m")}, (0.0, 0.0)),
     ],
 )
-def test_steps_that_a_file_does_not_state_are_asked_for(read, refused, data):
-    refused(data, r"does not say its size \(its heights are in m\); give dx, dy, unit")
+def test_steps_that_a_file_does_not_state_are_asked_for(read, refusal, data):
+    refusal(data, r"does not say its size \(its heights are in m\); give dx, dy, unit")
     steps_given = {"dx": 2, "dy": 3, "unit": "um", "height_unit": "m"}
     assert steps(read(data, **steps_given)) == pytest.approx([2e-6, 3e-6], rel=1e-12)
 
 
-def test_a_picture_of_other_programs_is_no_damaged_scan(refused):
+def test_a_picture_of_other_programs_is_no_damaged_scan(refusal):
     """With texts as names of its tags, on which the library's reader of JPK fails."""
     tags = [(256, 4, 1, 4), (257, 4, 1, 4), (273, 4, 1, 200), (279, 4, 1, 16), (50000, 12, 3, 220)]
     page = struct.pack("<H", len(tags)) + b"".join(struct.pack("<HHII", *tag) for tag in tags)
-    refused((b"II*\0" + struct.pack("<I", 8) + page).ljust(400, b"\0"), "a TIFF picture, but none of Park")
+    refusal((b"II*\0" + struct.pack("<I", 8) + page).ljust(400, b"\0"), "a TIFF picture, but none of Park")
 
 
 @pytest.mark.shared_data
@@ -215,9 +215,9 @@ def test_bytes_of_nanoscope_that_are_no_lines_are_named(read):
     assert message in warnings_of(read(data + b"abc"))
 
 
-def test_a_softgauge_of_one_profile(read, refused):
+def test_a_softgauge_of_one_profile(read, refusal):
     holds(read(sdf(COUNTS[:1], 5e-7, 0, 1e-9, "aNPL-V1.0")), 1e-9 * COUNTS[:1], 5e-7, rtol=1e-12)
-    refused(sdf(COUNTS[:1], 5e-7, 0, 0, "aNPL-V1.0"), "Zscale = 0.0, the height of a count")
+    refusal(sdf(COUNTS[:1], 5e-7, 0, 0, "aNPL-V1.0"), "Zscale = 0.0, the height of a count")
 
 
 def zygo(resolution):
@@ -227,12 +227,12 @@ def zygo(resolution):
     return "\n".join([*head, *(f"{n % 8} {n // 8} {z}" for n, z in enumerate(values)), "#", ""])
 
 
-def test_zygo_xyz_of_format_1(read, refused):
+def test_zygo_xyz_of_format_1(read, refusal):
     heights = 1e-9 * COUNTS
     heights[2, 3] = np.nan
     holds(read(zygo("2e-06")), heights, 2e-6, 2e-6, rtol=1e-12)
-    refused(zygo("0"), "give dx, dy, unit")  # a camera that was not calibrated
-    refused("\n".join(zygo("2e-06").split("\n")[:-10]), "40 lines of points where the header needs 8 x 6")
+    refusal(zygo("0"), "give dx, dy, unit")  # a camera that was not calibrated
+    refusal("\n".join(zygo("2e-06").split("\n")[:-10]), "40 lines of points where the header needs 8 x 6")
 
 
 def test_a_map_of_three_axes_is_chosen_by_its_index(read, tmp_path):
@@ -253,10 +253,10 @@ def images(**units):
     return gwy({title: (HEIGHTS, unit) for title, unit in units.items()}, SIZE)
 
 
-def test_images_of_gwyddion_in_other_units(read, refused, tmp_path):
+def test_images_of_gwyddion_in_other_units(read, refusal, tmp_path):
     data = images(a="V", b="")
-    refused(data, r"\('a': values in V, .*'b': values in no unit.* height_unit")
-    refused(data, r"channel 'a' holds no heights .* give height_unit", channel="a")
+    refusal(data, r"\('a': values in V, .*'b': values in no unit.* height_unit")
+    refusal(data, r"channel 'a' holds no heights .* give height_unit", channel="a")
     holds(read(data, channel="a", height_unit="m"), HEIGHTS[::-1], rtol=1e-12)
     assert read(images(a="V", b="m")).attrs["channel"] == "b"
     listed = inspect_file(tmp_path / "map.dat")["channels"]
@@ -314,13 +314,13 @@ def test_frames_and_quantities_are_channels(read, tmp_path):
     assert reasons["Lock-In Amplitude (retrace, frame 1)"] == "by its name no topography"
 
 
-def test_what_is_wrong_in_a_scan_is_named(read, refused):
-    refused(scan(points=11), "no 3 x 4 points of each frame")
-    refused(scan(unit="V"), "no channel of this file holds heights")
-    refused(scan(ulength=0.0), "does not say its size")
+def test_what_is_wrong_in_a_scan_is_named(read, refusal):
+    refusal(scan(points=11), "no 3 x 4 points of each frame")
+    refusal(scan(unit="V"), "no channel of this file holds heights")
+    refusal(scan(ulength=0.0), "does not say its size")
     turned = scan(theta=0.5)
     assert "the scan is turned" in warnings_of(read(turned))
-    refused(turned[: int(0.6 * len(turned))], "damaged or cut off HDF5 file")
+    refusal(turned[: int(0.6 * len(turned))], "damaged or cut off HDF5 file")
 
 
 # file: steps (µm), and what of the truth it holds
@@ -375,22 +375,22 @@ def imagej(values, description, *, resolution=(2.5, 4.0)):
     return content.getvalue()
 
 
-def test_images_of_imagej(read, refused):
+def test_images_of_imagej(read, refusal):
     heights = (0.5 * COUNTS).astype("f4")
     for unit in ("micron", "um", "\\u00B5m"):
         data = imagej(heights, f"unit={unit}\nmin=-9000.0\n")
         holds(read(data, height_unit="nm"), 0.5e-9 * COUNTS[::-1], 0.4e-6, 0.25e-6, rtol=1e-12)
-    refused(data, "does not say the unit of its heights; give height_unit")
-    refused(data[:-9], "was cut off", height_unit="nm")
+    refusal(data, "does not say the unit of its heights; give height_unit")
+    refusal(data[:-9], "was cut off", height_unit="nm")
     counts = (COUNTS + 9000).astype("u2")
     calibrated = imagej(counts, "unit=nm\ncf=0\nc0=-4500.0\nc1=0.5\nvunit=nm\n")
     holds(read(calibrated), 0.5e-9 * COUNTS[::-1], 0.4e-9, 0.25e-9, rtol=1e-12)
-    refused(imagej(counts, "unit=nm\ncf=3\n"), "calibrated by a curve")
-    refused(imagej(heights, "unit=pixel\n"), "give dx, dy, unit, height_unit")
-    refused(imagej(counts.astype("u1"), "unit=nm\n"), "whose shades are no heights")
+    refusal(imagej(counts, "unit=nm\ncf=3\n"), "calibrated by a curve")
+    refusal(imagej(heights, "unit=pixel\n"), "give dx, dy, unit, height_unit")
+    refusal(imagej(counts.astype("u1"), "unit=nm\n"), "whose shades are no heights")
 
 
-def test_pages_of_imagej_are_channels(read, refused):
+def test_pages_of_imagej_are_channels(read, refusal):
     from PIL import Image
 
     def stack(count):
@@ -401,7 +401,7 @@ def test_pages_of_imagej_are_channels(read, refused):
 
     height = read(stack(2), channel="page 2", dx=1, dy=1, unit="um", height_unit="nm")
     holds(height, 2e-9 * COUNTS[::-1], 1e-6, 1e-6, rtol=1e-6)
-    refused(stack(257), "257 pages, more than the 256 that are read")
+    refusal(stack(257), "257 pages, more than the 256 that are read")
 
 
 def test_the_image_of_topostats_comes_before_its_masks(read):

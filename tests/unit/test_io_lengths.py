@@ -57,10 +57,10 @@ def test_padding_is_named_and_moves_nothing(file_and_options):
     assert message not in warnings_of(right)
 
 
-def test_the_refusal_and_the_way_out(read, refused, tmp_path):
+def test_the_refusal_and_the_way_out(read, refusal, tmp_path):
     heights, options = np.arange(20.0).reshape(4, 5), {"dx": 1, "dy": 1, "unit": "um"}
     data, path = array(heights) + b"0123456789", tmp_path / "map.dat"
-    message = refused(data, "298 bytes", **options)
+    message = refusal(data, "298 bytes", **options)
     assert message == (
         f"{path}: 298 bytes where its header needs 288: not readable as NumPy array, because it was changed "
         "or damaged after it was written; export it again, or, where you know the change, give checksum = "
@@ -70,13 +70,13 @@ def test_the_refusal_and_the_way_out(read, refused, tmp_path):
     height = read(data, checksum="ignore", **options)
     holds(height, 1e-6 * heights)
     assert "298 bytes where its header needs 288: read nevertheless, as asked" in warnings_of(height)
-    refused(data[:270], "not readable as a NumPy array", checksum="ignore", **options)
+    refusal(data[:270], "not readable as a NumPy array", checksum="ignore", **options)
 
 
-def test_what_follows_a_variable_of_matlab_is_refused(refused):
+def test_what_follows_a_variable_of_matlab_is_refused(refusal):
     content = matlab({"z": np.random.default_rng(1).standard_normal((20, 30))})
     for data in (changed(content, 0.6, bytes(range(100))), content + b"\1\2\3", content + bytes(64)):
-        refused(data, r"damaged MATLAB file: .* copy or save it again", **GIVEN)
+        refusal(data, r"damaged MATLAB file: .* copy or save it again", **GIVEN)
 
 
 @pytest.mark.parametrize("kind", ["NETCDF3_CLASSIC", "NETCDF3_64BIT", "NETCDF3_64BIT_DATA"])

@@ -38,15 +38,15 @@ def test_truemap_with_any_comment(read, comment):
     assert steps(height) == pytest.approx([2e-4, 1.5e-4])
 
 
-def test_truemap_that_is_damaged(refused):
-    refused(tmd(HEIGHTS, SIZE)[:-1], "272 bytes where its header needs 273: it was cut off")
-    refused(tmd(HEIGHTS, SIZE)[:40], "it was cut off")
-    refused(tmd(HEIGHTS, SIZE, version=b"v3.0"), r"another version than 2\.0")
-    refused(tmd(HEIGHTS[:, :0], SIZE), "its header is damaged: 6 x 0 points on")
+def test_truemap_that_is_damaged(refusal):
+    refusal(tmd(HEIGHTS, SIZE)[:-1], "272 bytes where its header needs 273: it was cut off")
+    refusal(tmd(HEIGHTS, SIZE)[:40], "it was cut off")
+    refusal(tmd(HEIGHTS, SIZE, version=b"v3.0"), r"another version than 2\.0")
+    refusal(tmd(HEIGHTS[:, :0], SIZE), "its header is damaged: 6 x 0 points on")
 
 
 @pytest.mark.parametrize("compressed", [False, True])
-def test_matrices_of_matlab(read, refused, compressed):
+def test_matrices_of_matlab(read, refusal, compressed):
     heights = np.where(HEIGHTS > 1.5, np.nan, HEIGHTS)
     content = {"comment": "text", "x": np.arange(9.0), "mask": HEIGHTS > 0, "z": heights, "q": HEIGHTS * 1j}
     data = matlab(content, do_compression=compressed)
@@ -54,19 +54,19 @@ def test_matrices_of_matlab(read, refused, compressed):
     holds(height, 1e-9 * heights, 2e-6, 3e-6, rtol=1e-7)
     assert json.loads(height.attrs["channels"])[0] == "z"
     holds(read(data, channel="x", dx=1, unit="um"), 1e-6 * np.arange(9.0)[None], 1e-6)
-    refused(data, "give dx, dy, unit")
+    refusal(data, "give dx, dy, unit")
     warnings = warnings_of(read(matlab({"z": [np.arange(9.0), *HEIGHTS]}), dx=2, dy=3, unit="um"))
     assert "the first row (0, 1, 2 ...) may be numbers or positions" in warnings
     assert "left out" not in warnings
     for cut in (0.3, 0.6, 0.9):
-        refused(data[: int(cut * len(data))], r"map\.", channel="z", dx=2, dy=3, unit="um")
+        refusal(data[: int(cut * len(data))], r"map\.", channel="z", dx=2, dy=3, unit="um")
 
 
-def test_a_bomb_in_matlab(refused, monkeypatch):
+def test_a_bomb_in_matlab(refusal, monkeypatch):
     data = matlab({"z": np.zeros((2000, 2000))}, do_compression=True)
     assert len(data) < 10**5
     monkeypatch.setattr("roughcontact.io.readers.matlab.MAX_UNPACKED_BYTES", 10**7)
-    refused(data, "unpack to .* more than", **GIVEN)
+    refusal(data, "unpack to .* more than", **GIVEN)
 
 
 def picture(kind):
@@ -136,12 +136,12 @@ XLS = b"\xd0\xcf\x11\xe0" + bytes(600) + "Workbook".encode("utf-16-le")
         (matlab({"comment": "text"}), r"no matrix of real numbers .* it has comment \(char\)"),
     ],
 )
-def test_what_is_known_and_not_read_is_named(refused, data, message):
-    assert "NMM), but is damaged" not in refused(data, message, **GIVEN)
+def test_what_is_known_and_not_read_is_named(refusal, data, message):
+    assert "NMM), but is damaged" not in refusal(data, message, **GIVEN)
 
 
-def test_a_film_of_high_speed_microscopy_is_named(refused):
-    refused(bytes(range(256)) * 9, r"\(asd\) is not read: save a frame as text or GWY", name="film.asd")
+def test_a_film_of_high_speed_microscopy_is_named(refusal):
+    refusal(bytes(range(256)) * 9, r"\(asd\) is not read: save a frame as text or GWY", name="film.asd")
 
 
 @pytest.mark.parametrize("inner_folder", ["", "a/b/"])
@@ -172,10 +172,10 @@ def test_paths_too_long_for_any_file(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("wrapped", ["", "VK6", "VK7"])
-def test_keyence_alone_and_within_an_archive(read, refused, wrapped):
+def test_keyence_alone_and_within_an_archive(read, refusal, wrapped):
     counts = np.random.default_rng(8).integers(0, 2**20, (5, 7))
     data = keyence(counts, 250_000, 250_000, 100)
     if wrapped:
         data = wrapped.encode() + b"\x01" + bytes(range(1, 200)) + archive({"Vk4File": data})
     holds(read(data), 1e-10 * counts[::-1], 250e-9, 250e-9, rtol=1e-12)
-    refused(data[: int(0.6 * len(data))], r"map\.")
+    refusal(data[: int(0.6 * len(data))], r"map\.")

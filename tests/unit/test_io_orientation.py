@@ -106,11 +106,11 @@ def test_an_f_reads_as_an_f(read, tmp_path, kind):
     assert reread.attrs["first_row"] == "bottom"  # of that file
 
 
-def test_the_user_wins_over_the_file_with_a_warning(read, refused):
+def test_the_user_wins_over_the_file_with_a_warning(read, refusal):
     height = read(made.x3p(F, DX, DY), first_row="top")
     holds(height, DOWN, DX, DY, rtol=1e-9)
     assert "first_row = top is given, the file has its first row at the bottom" in warnings_of(height)
-    refused(made.x3p(F, DX, DY), "first_row = 'upper'", error=SettingsError, first_row="upper")
+    refusal(made.x3p(F, DX, DY), "first_row = 'upper'", error=SettingsError, first_row="upper")
 
 
 def test_a_profile_has_no_up_and_down(read):

@@ -58,12 +58,12 @@ def another_format(tmp_path, monkeypatch):
     sys.modules.pop("roughcontact.io.readers.another", None)
 
 
-def test_one_file_adds_a_format(read, refused, another_format):
+def test_one_file_adds_a_format(read, refusal, another_format):
     data = b"ANOTHER\0" + bytes([4]) + (1e9 * HEIGHTS).tobytes()
     height = read(data, name="map.xyz")
     holds(height, HEIGHTS[::-1], 2e-6, 2e-6, rtol=1e-12)
     assert height.attrs["source_format"] == "another"
-    refused(data[:-8], "cut off", name="map.xyz")
+    refusal(data[:-8], "cut off", name="map.xyz")
 
 
 def hdf5(*groups):
@@ -126,9 +126,9 @@ def test_the_order_is_the_documented_one():
     assert ranks.count(RecognisedBy.NOTHING) == 1
 
 
-def test_damaged_or_empty_hdf5_is_refused_whoever_wrote_it(refused):
-    refused(hdf5("MetaData")[:200], "damaged or cut off HDF5 file")
-    refused(hdf5("a"), "it has no variable at all")
+def test_damaged_or_empty_hdf5_is_refused_whoever_wrote_it(refusal):
+    refusal(hdf5("MetaData")[:200], "damaged or cut off HDF5 file")
+    refusal(hdf5("a"), "it has no variable at all")
 
 
 def test_values_that_are_no_numbers_are_refused_in_a_sentence(tmp_path):

@@ -20,9 +20,9 @@ def plane(height):
     return 0.5e-6 + 0.02 * height.x - 0.03 * height.y
 
 
-def test_only_where_asked(refused, tmp_path):
-    refused(POINTS, "give resample = linear", unit="um")
-    refused(POINTS, "resample = 'cubic': choose linear", error=SettingsError, unit="um", resample="cubic")
+def test_only_where_asked(refusal, tmp_path):
+    refusal(POINTS, "give resample = linear", unit="um")
+    refusal(POINTS, "resample = 'cubic': choose linear", error=SettingsError, unit="um", resample="cubic")
     contents = inspect_file(tmp_path / "map.dat", unit="um")
     assert contents["map"] is None
     assert "give resample = linear" in contents["problem"]
@@ -40,7 +40,7 @@ def test_a_plane_comes_back_exactly(read):
     assert "resampled as asked, 4000 points interpolated linearly" in warnings_of(height)
 
 
-def test_given_steps_and_units(read, refused):
+def test_given_steps_and_units(read, refusal):
     columns = np.column_stack([1e-3 * X, 1e-3 * Y, Z])
     text = "x (mm)\ty (mm)\tz (um)\n" + cells(columns, form="{:.9f}")
     height = read(text, dx=2, dy=3, unit="um", resample="linear")
@@ -48,7 +48,7 @@ def test_given_steps_and_units(read, refused):
     first_x = 1e-6 * ((X.min() + X.max()) / 2 - (height.sizes["x"] - 1))
     assert float(height.x[0]) == pytest.approx(first_x, rel=1e-6)
     assert float(abs(height - plane(height)).max()) < 1e-13
-    refused(text, "is given without a unit", error=SettingsError, dx=2, dy=3, resample="linear")
+    refusal(text, "is given without a unit", error=SettingsError, dx=2, dy=3, resample="linear")
 
 
 @pytest.mark.slow
@@ -60,11 +60,11 @@ def test_holes_are_not_bridged(read):
     assert float(np.isnan(height.where(away > 17e-6, 0.0)).mean()) < 0.05  # but some at the border
 
 
-def test_an_uneven_profile(read, refused):
+def test_an_uneven_profile(read, refusal):
     x = np.sort(RNG.random(500)) * 200
     text = cells(np.column_stack([x, 0.1 * x]), " ", "{:.9f}")
-    refused(text, r"not evenly spaced.*give resample = linear", unit="um")
-    refused(text, "unit of its positions; give unit", height_unit="um", resample="linear", dx="0.5 m")
+    refusal(text, r"not evenly spaced.*give resample = linear", unit="um")
+    refusal(text, "unit of its positions; give unit", height_unit="um", resample="linear", dx="0.5 m")
     height = read(text, unit="um", resample="linear", dx=0.5)
     assert height.shape == (1, int(np.ptp(x) / 0.5) + 1)
     measured = np.isfinite(height.values[0])
@@ -104,6 +104,6 @@ def test_an_even_grid_is_left_as_it_is(read):
         ("several points of the list have the same position", np.array([X, Y, Z]).repeat(2, axis=1), {}),
     ],
 )
-def test_points_that_make_no_map(refused, words, columns, arguments):
+def test_points_that_make_no_map(refusal, words, columns, arguments):
     error = HeightMapError if arguments else InputFileError
-    refused(cells(columns.T, " ", "{:.9f}"), words, error=error, unit="um", **arguments)
+    refusal(cells(columns.T, " ", "{:.9f}"), words, error=error, unit="um", **arguments)

@@ -107,9 +107,9 @@ def test_a_column_of_depths_is_named(read, name, doubted):
     assert bool(re.search("'Depth'.*change their sign", warnings_of(height))) == doubted
 
 
-def test_points_with_a_fourth_column_are_no_map(read, refused):
+def test_points_with_a_fourth_column_are_no_map(read, refusal):
     text = cells(np.column_stack([points(HEIGHTS), np.arange(12)]), " ")
-    refused(text, r"begin anew at line 5.*name the columns", **GIVEN)
+    refusal(text, r"begin anew at line 5.*name the columns", **GIVEN)
     holds(read("x y z intensity\n" + text, unit="um"), 1e-6 * HEIGHTS)
 
 
@@ -150,13 +150,13 @@ def test_arguments_win_over_the_file_and_say_so(read):
     assert "dy =" not in notes.replace("the pixels are not square: dx = 2e-06 m, dy = 1e-06 m", "")
 
 
-def test_cut_matrices_are_refused(read, refused):
+def test_cut_matrices_are_refused(read, refusal):
     square = np.random.default_rng(3).standard_normal((20, 20))
     text = "# Width: 20 µm\n# Height: 20 µm\n# Value units: nm\n" + cells(square)
     assert read(text).shape == (20, 20)
-    refused(text[: int(0.6 * len(text))], "the file was cut off")
+    refusal(text[: int(0.6 * len(text))], "the file was cut off")
     shorter = "".join(text.splitlines(keepends=True)[: 3 + 12])
-    refused(shorter, r"seems to be cut off\. If it is whole, give dx, dy and unit")
+    refusal(shorter, r"seems to be cut off\. If it is whole, give dx, dy and unit")
     assert read(shorter, **GIVEN).shape == (12, 20)
 
 
@@ -192,8 +192,8 @@ NO_MAPS = [
 
 
 @pytest.mark.parametrize(("text", "words", "options"), NO_MAPS, ids=[words for _, words, _ in NO_MAPS])
-def test_texts_that_are_no_map(refused, text, words, options):
-    refused(text, words, **options)
+def test_texts_that_are_no_map(refusal, text, words, options):
+    refusal(text, words, **options)
 
 
 def test_one_line_is_a_profile_and_no_number_is_05(read):

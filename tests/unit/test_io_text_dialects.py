@@ -114,10 +114,10 @@ DOUBTS = ("occurs in", "three digits", "is taken as")
 
 
 @pytest.mark.parametrize("name", DIALECTS)
-def test_a_dialect_is_right_or_refused_or_named(read, refused, name):
+def test_a_dialect_is_right_or_refused_or_named(read, refusal, name):
     text, right, *warnings = DIALECTS[name]
     if isinstance(right, str):
-        refused(text, rf"map\.dat: .*{right}", **GIVEN)
+        refusal(text, rf"map\.dat: .*{right}", **GIVEN)
         return
     height = read(text, **GIVEN)
     holds(height, 1e-9 * right[::-1], rtol=1e-14)
@@ -126,8 +126,8 @@ def test_a_dialect_is_right_or_refused_or_named(read, refused, name):
     assert warnings or not any(words in messages for words in DOUBTS)
 
 
-def test_the_refusal_of_a_row_above_the_table(refused, tmp_path):
-    assert refused("Width: 16 um\nHeight: 12 um\n" + marked("n.b.", (0, 0)), "line 3", **GIVEN) == (
+def test_the_refusal_of_a_row_above_the_table(refusal, tmp_path):
+    assert refusal("Width: 16 um\nHeight: 12 um\n" + marked("n.b.", (0, 0)), "line 3", **GIVEN) == (
         f"{tmp_path / 'map.dat'}: line 3 has as many cells as the rows of the table below it, and 'n.b.' in "
         "place of a number: correct it, write NaN for a missing point, or delete the line if it is no row of "
         "the map"
@@ -139,10 +139,10 @@ def test_a_title_of_two_numbers_above_a_list_of_points_is_a_heading(read, title)
     holds(read(f"{title}\n{cells(points(ROUGH[:3, :4]), ' ')}", **NM), 1e-9 * ROUGH[:3, :4])
 
 
-def test_the_first_point_of_a_list_is_no_heading(read, refused):
+def test_the_first_point_of_a_list_is_no_heading(read, refusal):
     first_line, remainder = cells(points(ROUGH[:3, :4], 0.5, 0.5)).split("\n", 1)
     beginning = first_line.rpartition("\t")[0]
-    refused(f"{beginning}\tn.b.\n{remainder}", LOST.format("n.b."), **NM)
+    refusal(f"{beginning}\tn.b.\n{remainder}", LOST.format("n.b."), **NM)
     height = read(f"{beginning}\tundef\n{remainder}", **NM)
     holds(height, 1e-9 * without(CORNER)[:3, :4])
     assert "'undef' occurs in 1 cell" in warnings_of(height)

@@ -110,12 +110,12 @@ def test_a_profile_may_begin_with_a_point_without_a_height(read, x):
     holds(height, 1e-6 * np.array([[np.nan, 1.5, 2.5, 3]]), 1e-3, rtol=1e-12)
 
 
-def test_a_wave_of_igor_has_x_along_its_rows(read, refused):
+def test_a_wave_of_igor_has_x_along_its_rows(read, refusal):
     head = "IGOR\nWAVES/D/N=(5,4)\th\nBEGIN\n"
     tail = 'END\nX SetScale/P x 0,2e-6,"m", h; SetScale/P y 0,1,"um", h; SetScale d 0,0,"nm", h\n'
     heights = np.arange(20.0).reshape(4, 5) ** 2
     holds(read(head + cells(heights.T) + tail), 1e-9 * heights, 2e-6, 1e-6, rtol=1e-12)
-    refused(head + cells(heights.T).replace("\t1\n", "\n") + "1\n" + tail, "a damaged Igor text")
+    refusal(head + cells(heights.T).replace("\t1\n", "\n") + "1\n" + tail, "a damaged Igor text")
     profile = 'IGOR\nWAVES/D h\nBEGIN\n{}END\nX SetScale/P x 0,2e-6,"m", h; SetScale y 0,0,"nm", h\n'
     holds(read(profile.format(cells(heights[:1].T))), 1e-9 * heights[:1], 2e-6, rtol=1e-12)
 
@@ -135,12 +135,12 @@ def test_an_empty_quoted_cell_at_the_end_of_a_file_is_a_missing_point(read):
     ],
 )
 @pytest.mark.parametrize("line_end", ["", "\n"])
-def test_lines_below_a_table_are_left_out_and_said(read, refused, footer, noted, line_end):
+def test_lines_below_a_table_are_left_out_and_said(read, refusal, footer, noted, line_end):
     height = read(f"x [mm];z [µm]\n{trace()}{footer}{line_end}")
     assert_trace(height)
     assert noted in warnings_of(height)
     assert bool(noted) == ("below the table" in warnings_of(height))
-    refused(f"x [mm];y [mm];z [µm]\n{trace(columns=(X, X, Z))}6;over;2.5;2.5\n{footer}", "no row of numbers")
+    refusal(f"x [mm];y [mm];z [µm]\n{trace(columns=(X, X, Z))}6;over;2.5;2.5\n{footer}", "no row of numbers")
 
 
 @pytest.mark.parametrize("sign", [" ", "'", "\u00a0", "\u202f", "’"])
@@ -209,7 +209,7 @@ def test_quoted_cells_with_decimal_commas(read):
     assert_trace(read('"x","z"\n"mm","um"\n' + rows))
 
 
-def test_empty_cells_around_a_table(read, refused):
+def test_empty_cells_around_a_table(read, refusal):
     text = trace().replace("\n", ";" * 300 + "\n") + (";" * 302 + "\n") * 2000
     assert_trace(read(text, unit="mm", height_unit="um"))
     assert_trace(read(";x (mm);z (µm)\n;" + trace().replace("\n", "\n;")[:-1]))
@@ -219,7 +219,7 @@ def test_empty_cells_around_a_table(read, refused):
     closed = read("0,500\t2\t9.91E+37\t\n5\t6\t\t\n", **GIVEN)
     np.testing.assert_array_equal(np.isnan(closed.values), [[False, False, True]] * 2)
     # but where the last line alone ends so, it is incomplete
-    refused("1;2;3;4\n5;6;7;8\n9;8;7;", "the last line is incomplete", **GIVEN)
+    refusal("1;2;3;4\n5;6;7;8\n9;8;7;", "the last line is incomplete", **GIVEN)
 
 
 @pytest.mark.parametrize(
@@ -276,9 +276,9 @@ STATED = [
 
 
 @pytest.mark.parametrize(("right", "options", "wrong", "words"), STATED, ids=[words for *_, words in STATED])
-def test_a_declared_number_of_points_is_compared(read, refused, right, options, wrong, words):
+def test_a_declared_number_of_points_is_compared(read, refusal, right, options, wrong, words):
     assert read(right, **options).shape == ((1, 12) if PROFILE in right else (3, 4))
-    refused(wrong, words, **options)
+    refusal(wrong, words, **options)
 
 
 def matrix(rows, columns, width, height):
@@ -288,8 +288,8 @@ def matrix(rows, columns, width, height):
 
 
 @pytest.mark.cases
-def test_a_matrix_of_lost_lines_is_refused(refused, rows, columns, width, height):
-    refused(matrix(rows, columns, width, height), "give dx, dy and unit")
+def test_a_matrix_of_lost_lines_is_refused(refusal, rows, columns, width, height):
+    refusal(matrix(rows, columns, width, height), "give dx, dy and unit")
 
 
 @pytest.mark.cases
@@ -299,14 +299,14 @@ def test_pixels_of_any_shape_are_read(read, rows, columns, width, height):
     assert steps(height_map)[1] == pytest.approx(1e-6 * float(height) / rows)
 
 
-def test_positions_rounded_to_their_last_digit_are_even(read, refused):
+def test_positions_rounded_to_their_last_digit_are_even(read, refusal):
     x = 0.15625 * np.arange(400)
     rows = "".join(f"{a:.1f},{np.sin(a):.5f},,\n" for a in x)
     height = read("Lateral um,Raw Micrometer,\n" + rows)
     assert steps(height) == pytest.approx([0.15625e-6], rel=1e-4)
     assert "even up to the rounding" in warnings_of(height)
     gaps = np.delete(np.arange(400), np.random.default_rng(2).integers(1, 399, 60))
-    refused(cells(zip(gaps, gaps % 7, strict=True), " "), "not evenly spaced", unit="um")
+    refusal(cells(zip(gaps, gaps % 7, strict=True), " "), "not evenly spaced", unit="um")
 
 
 def test_an_export_of_a_laser_microscope(read):
@@ -320,7 +320,7 @@ def test_an_export_of_a_laser_microscope(read):
 
 @pytest.mark.parametrize("form", ["{:.2f}", "{:.5e}", "{:.4f}"])
 @pytest.mark.parametrize("columns", [5, 1])
-def test_a_file_that_ends_within_a_number_is_refused(read, refused, form, columns):
+def test_a_file_that_ends_within_a_number_is_refused(read, refusal, form, columns):
     heights = np.random.default_rng(2).normal(size=(6, columns)) + 5
     if columns == 1:
         heights = np.column_stack([np.arange(6), heights])
@@ -330,7 +330,7 @@ def test_a_file_that_ends_within_a_number_is_refused(read, refused, form, column
         assert read(text_read, **options).size == 6 * columns
     for stop in range(text.rindex(" ") + 2, len(text) - 1):
         words = rf"line 6 ends the file in '{re.escape(text[text.rindex(' ') + 1 : stop])}'.*it was cut off"
-        refused(text[:stop], words, **options)
+        refusal(text[:stop], words, **options)
 
 
 def test_a_last_number_shorter_than_all_others_is_doubted(read):
@@ -456,22 +456,22 @@ def test_the_time_of_day_beside_a_profile(read):
     assert_trace(read("\n".join(["Zeit;Weg [mm];Höhe [µm]", *stamps])))
 
 
-def test_the_units_of_both_axes_in_the_corner(read, refused):
+def test_the_units_of_both_axes_in_the_corner(read, refusal):
     heights = np.arange(20.0).reshape(4, 5) ** 2
     table = cells(np.column_stack([0.25 * np.arange(4), heights]))
     text = "\t" + "\t".join(f"{0.5 * column}" for column in range(5)) + "\n" + table
     for corner in ("Y[µm]\\X[µm]", "y (µm) / x (µm)", "Zeile/Spalte [µm]"):
         holds(read(f"Z unit: nm\n{corner}{text}"), 1e-9 * heights, 0.5e-6, 0.25e-6)
     for corner in ("X[µm]\\Y[µm]", "Y[µm]\\X[mm]", "y (µm)"):
-        refused(f"Z unit: nm\n{corner}{text}", "does not say its lateral unit")
+        refusal(f"Z unit: nm\n{corner}{text}", "does not say its lateral unit")
 
 
-def test_a_row_of_empty_cells_is_one_of_as_many_as_are_stated(read, refused):
+def test_a_row_of_empty_cells_is_one_of_as_many_as_are_stated(read, refusal):
     first, second, third = cells(GRID, ",").splitlines()
     text = f"{first}\n,,,\n{second}\n{third}"
     heights = np.insert(GRID.astype(float), 1, np.nan, axis=0)
     holds(read(f"Rows: 4\n{text}", **GIVEN, height_unit="nm"), 1e-9 * heights[::-1])
-    refused(text, "a second table begins at line 3; .* or write NaN where a row is missing", **GIVEN)
+    refusal(text, "a second table begins at line 3; .* or write NaN where a row is missing", **GIVEN)
 
 
 def test_blanks_between_thousands_beside_commas_between_cells(read):

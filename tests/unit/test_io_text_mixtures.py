@@ -33,14 +33,14 @@ def holds_nm(height, heights):
 # ---------------------------------------------------------------- tables
 
 
-def test_tables_with_headings_are_channels_in_their_units(read, refused, tmp_path):
+def test_tables_with_headings_are_channels_in_their_units(read, refusal, tmp_path):
     head = "# Channel: {}\n# Width: 5 µm\n# Height: 2 µm\n# Value units: {}\n"
     text = head.format("Phase", "deg") + cells(TWO) + "\n" + head.format("Topography", "nm") + ROWS
     height = read(text)
     holds_nm(height, ONE[::-1])
     assert height.attrs["channel"] == "Topography"
     assert json.loads(height.attrs["channels"]) == ["Phase", "Topography"]
-    refused(text, "channel 'Phase' holds no heights", channel="Phase")
+    refusal(text, "channel 'Phase' holds no heights", channel="Phase")
     channels = inspect_file(tmp_path / "map.dat")["channels"]
     assert [channel["height_unit"] for channel in channels] == ["deg", "nm"]
     words = "Forward" + "\t" * 9 + "\n" + ROWS + "\nBackward\n" + cells(TWO)
@@ -59,15 +59,15 @@ def test_tables_with_headings_are_channels_in_their_units(read, refused, tmp_pat
         ("Distance (mm);Total (nm);Roughness (nm)", (X / 1e3, ONE[0], TWO[0]), "Roughness"),
     ],
 )
-def test_several_columns_of_heights_are_asked_about(read, refused, heading, values, channel):
+def test_several_columns_of_heights_are_asked_about(read, refusal, heading, values, channel):
     text, name = f"{heading}\n{columns(*values)}", re.escape(channel)
     for options in ({}, GIVEN):
-        refused(
+        refusal(
             text,
             rf"2 columns that may be heights: .*{channel.split()[0]}'.*channel.* are '[^']*{name}",
             **options,
         )
-    refused(text, rf"no channel is named 'all'; .* are '[^']*{name}", channel="all")
+    refusal(text, rf"no channel is named 'all'; .* are '[^']*{name}", channel="all")
     holds_nm(read(text, channel=channel), TWO[:1])
 
 
@@ -76,9 +76,9 @@ def test_points_that_a_column_calls_invalid_are_missing(read):
     holds_nm(height, np.where(X == 1, np.nan, ONE[0])[None])
 
 
-def test_columns_without_positions_are_profiles(read, refused):
+def test_columns_without_positions_are_profiles(read, refusal):
     text = "Profil 1 [nm];Profil 2 [nm];Profil 3 [nm]\n" + columns(ONE[0], TWO[0], ONE[1])
-    refused(text, "3 columns that may be heights", **GIVEN)
+    refusal(text, "3 columns that may be heights", **GIVEN)
     holds_nm(read(text, channel="Profil 2", dx=0.5, unit="um"), TWO[:1])
 
 
@@ -153,8 +153,8 @@ def dressed(text, how):
 
 @pytest.mark.parametrize("how", ["plain", "quoted", "apart", "closed", "decimal commas"])
 @pytest.mark.parametrize(("text", "words", "options"), REFUSED, ids=[words for _, words, _ in REFUSED])
-def test_what_may_be_several_things_or_contradicts_itself_is_refused(refused, text, words, options, how):
-    refused(dressed(text, how), words, **options)
+def test_what_may_be_several_things_or_contradicts_itself_is_refused(refusal, text, words, options, how):
+    refusal(dressed(text, how), words, **options)
 
 
 def test_a_title_names_no_columns(read):
@@ -174,9 +174,9 @@ def test_columns_of_points_in_several_units(read):
 
 
 @pytest.mark.cases
-def test_statements_that_do_not_agree_are_asked_about(read, refused, lines, words):
+def test_statements_that_do_not_agree_are_asked_about(read, refusal, lines, words):
     text = f"{lines}\nZ unit: nm\n{ROWS}"
-    refused(text, words)
+    refusal(text, words)
     holds_nm(read(text, dx=0.5, dy=0.25, unit="um"), ONE[::-1])
 
 
@@ -198,14 +198,14 @@ def test_heights_with_a_unit_but_no_number_have_that_unit(read, line):
 
 
 @pytest.mark.parametrize("line", ["Points x: 0.5 µm", "Columns: 5 µm", "Samples: 0.5 µm"])
-def test_a_number_of_points_with_a_unit_of_length_is_asked_about(refused, line):
-    refused(f"{line}\ndy: 0.25 µm\nZ unit: nm\n{ROWS}", "which is not used")
+def test_a_number_of_points_with_a_unit_of_length_is_asked_about(refusal, line):
+    refusal(f"{line}\ndy: 0.25 µm\nZ unit: nm\n{ROWS}", "which is not used")
 
 
-def test_units_that_may_be_those_of_other_axes_are_asked_about(refused):
+def test_units_that_may_be_those_of_other_axes_are_asked_about(refusal):
     table = cells(points(ONE, 0.5, 0.25))
     for line in ("Units: um, nm, nm", "Units: um, nm, um"):
-        refused(f"{line}\n{table}", "does not say its lateral unit")
+        refusal(f"{line}\n{table}", "does not say its lateral unit")
 
 
 def test_units_of_three_axes_above_a_matrix_in_its_positions(read):
@@ -225,9 +225,9 @@ def test_a_stated_size_is_that_of_all_lines(read):
     "line",
     ["dz: 0.01", "Z resolution: 0.01 nm", "Vertical step = 0.01 nm", "Z-Faktor 0,01"],
 )
-def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refused, line):
+def test_a_factor_that_is_not_understood_is_asked_about_above_counts(read, refusal, line):
     counts = cells(np.round(100 * ONE))
-    refused(
+    refusal(
         f"{line}\nZ unit: nm\n{counts}",
         f"line 1 says '{line}', and all heights are whole numbers.*'Z factor'",
         **GIVEN,
@@ -253,9 +253,9 @@ def test_statements_that_are_not_understood_are_said(read, line, words):
     "heading",
     ["rho;phi;z", "theta (deg);z (nm)", "Frequency;z", "Time;z", "Zeit (s);Höhe (nm)", "Load;Depth"],
 )
-def test_columns_of_other_quantities_are_no_positions(refused, heading):
+def test_columns_of_other_quantities_are_no_positions(refusal, heading):
     text = POINTS.replace("\t", ";") if heading.count(";") == 2 else TRACE
-    refused(f"{heading}\n{text}", "which of the . columns|give dx", **NM)
+    refusal(f"{heading}\n{text}", "which of the . columns|give dx", **NM)
 
 
 @pytest.mark.parametrize("name", ["z*1000", "z x10^-3", "-z", "Ra", "Amplitude", "z inverted", "Gray_Value"])
@@ -280,12 +280,12 @@ def test_words_beside_a_table_are_left_out_with_a_word(read, separator, heading,
 
 @pytest.mark.parametrize("word", ["over", ">250", "OL", "n.d.", "1.2*", "3.1 nm"])
 @pytest.mark.parametrize("row", [0, 1, 4])
-def test_a_word_for_a_height_drops_no_row(refused, word, row):
+def test_a_word_for_a_height_drops_no_row(refusal, word, row):
     lines = cells(PROFILE, ";").splitlines()
     lines[row] = lines[row].partition(";")[0] + ";" + word
-    refused("\n".join(lines), rf"line {row + 1} is no row of numbers \({re.escape(word)}\)", **NM)
+    refusal("\n".join(lines), rf"line {row + 1} is no row of numbers \({re.escape(word)}\)", **NM)
     if " " not in word:
-        refused("\n".join(lines).replace(";", " "), rf"line {row + 1} is no row of numbers", **NM)
+        refusal("\n".join(lines).replace(";", " "), rf"line {row + 1} is no row of numbers", **NM)
 
 
 EMPTY, INDENTED = "\t" * 9 + "\n", "".join(f"\t{row}\n" for row in ROWS.splitlines())
@@ -308,9 +308,9 @@ def test_a_heading_that_contradicts_the_positions_is_said(read):
 
 @pytest.mark.cases
 @pytest.mark.parametrize("heading", ["x (µm);z (nm)", "z nm", "Height [nm]"])
-def test_a_header_that_contradicts_the_unit_of_a_column_is_refused(refused, line, words, heading):
+def test_a_header_that_contradicts_the_unit_of_a_column_is_refused(refusal, line, words, heading):
     table = TRACE if ";" in heading else columns(ONE[0])
-    refused(f"{line}\n{heading}\n{table}", words, dx=0.5, unit="um")
+    refusal(f"{line}\n{heading}\n{table}", words, dx=0.5, unit="um")
 
 
 def test_a_marker_of_the_header_is_none_of_positions(read):
@@ -322,18 +322,18 @@ def test_a_marker_of_the_header_is_none_of_positions(read):
 # ---------------------------------------------------------------- positions beside a matrix
 
 
-def test_positions_in_the_first_row_and_column(read, refused):
+def test_positions_in_the_first_row_and_column(read, refusal):
     text = BOTH[1:].replace("\t", " ")  # without a corner
     closed = "y/x" + BOTH.replace("\n", "\t\n")
     german = ("y/x" + BOTH).replace("\t", ";").replace(".", ",")
     for variant in (text, closed, closed.replace("\t\n", "\n", 1), german):
         holds_nm(read(variant, **NM), ONE)
     assert "'y (mm)' in the corner is not used: check" in warnings_of(read("y (mm)" + BOTH, **NM))
-    refused(text.replace("1.5", "9", 1), "line 1 has 10 numbers where the others have 11", **NM)
+    refusal(text.replace("1.5", "9", 1), "line 1 has 10 numbers where the others have 11", **NM)
     uneven = "the first {} of the table, from line 1 on, holds positions that are not even"
-    refused(text.replace("1.5", "1.9", 1), uneven.format("row"), **NM)
+    refusal(text.replace("1.5", "1.9", 1), uneven.format("row"), **NM)
     squares = cells(np.column_stack([np.r_[9, Y**2], [X, *ONE]]))
-    refused("\t" + squares[2:], uneven.format("column"), **NM)
+    refusal("\t" + squares[2:], uneven.format("column"), **NM)
 
 
 def test_positions_and_steps_of_the_user_that_differ_are_said(read):
@@ -347,15 +347,15 @@ def test_positions_and_steps_of_the_user_that_differ_are_said(read):
     holds_nm(read(counted, **GIVEN), ONE)
 
 
-def test_positions_in_the_first_row_or_column_alone(read, refused):
+def test_positions_in_the_first_row_or_column_alone(read, refusal):
     holds_nm(read(ABOVE, **GIVEN), ONE[::-1])
     holds_nm(read(ABOVE, dy=0.25, **NM), ONE[::-1])
-    refused(ABOVE, "give dy, unit", **NM)
+    refusal(ABOVE, "give dy, unit", **NM)
     holds_nm(read(BESIDE, **GIVEN), ONE)
     header = "Width: {} µm\nHeight: 2 µm\nZ unit: nm\n"
     holds_nm(read(header.format(5) + ABOVE), ONE[::-1])
     words = r"taken as positions along x: line 4 says .*, line 1 says 'Width"
-    refused(header.format(50) + ABOVE, words)
+    refusal(header.format(50) + ABOVE, words)
     height = read("nx: 10\nny: 9\n" + ABOVE, **GIVEN)
     holds_nm(height, np.array([X, *ONE])[::-1])
     assert "may be positions along x" in warnings_of(height)
@@ -394,8 +394,8 @@ def test_what_a_map_needs_has_a_source(read, tmp_path):
 
 
 @pytest.mark.cases
-def test_a_step_of_any_name_that_the_size_contradicts_is_asked_about(read, refused, line):
-    refused(matrix(*SIZED, line), f"line 4 says {re.escape(repr(line))}, .* agree.*dx, dy and unit")
+def test_a_step_of_any_name_that_the_size_contradicts_is_asked_about(read, refusal, line):
+    refusal(matrix(*SIZED, line), f"line 4 says {re.escape(repr(line))}, .* agree.*dx, dy and unit")
     holds_nm(read(matrix(*SIZED, line), **GIVEN), ONE[::-1])
 
 
@@ -412,18 +412,18 @@ def test_a_length_that_nothing_uses_is_named(read, line, doubted):
 @pytest.mark.parametrize(
     "line", ["all peaks are nm", "NB: nm", "Units: µm, mm, nm", "wafer 7, heights in nm, pixel 0.5 um"]
 )
-def test_a_unit_of_the_steps_is_not_that_of_heights_which_a_line_contradicts(read, refused, line):
+def test_a_unit_of_the_steps_is_not_that_of_heights_which_a_line_contradicts(read, refusal, line):
     for text, options in ((matrix("# " + line), {"dx": 0.5, "dy": 0.25}), ("# " + line + "\n" + POINTS, {})):
         message = f"unit of its heights .line 1 says '# {line}', which is not used.*give .*height_unit"
-        refused(text, message)
-        refused(text, message, unit="um", **options)
+        refusal(text, message)
+        refusal(text, message, unit="um", **options)
         holds_nm(read(text, **NM, **options, first_row="bottom"), ONE)
 
 
-def test_length_and_width_are_both_asked_about(read, refused):
+def test_length_and_width_are_both_asked_about(read, refusal):
     text = matrix("Length: 5 µm", "Width: 2 µm", "Z unit: nm")
     for options in ({}, {"dy": 0.25, "unit": "um"}):
-        refused(text, "line 1 says 'Length: 5 µm', which is not used.; give dx, dy, unit", **options)
+        refusal(text, "line 1 says 'Length: 5 µm', which is not used.; give dx, dy, unit", **options)
     holds_nm(read(text, **GIVEN), ONE[::-1])
 
 
@@ -436,19 +436,19 @@ def test_the_length_of_one_count_is_its_factor(read, line):
 
 
 @pytest.mark.cases
-def test_a_factor_above_counts_is_asked_about_in_any_words(read, refused, line):
+def test_a_factor_above_counts_is_asked_about_in_any_words(read, refusal, line):
     counts = np.round(100 * ONE)
-    refused(
+    refusal(
         matrix(line, heights=counts), f"line 1 says '{re.escape(line)}', and all heights are whole", **GIVEN
     )
     holds_nm(read(matrix(line, heights=counts), **GIVEN, ignore_lines=1), counts[::-1])
 
 
-def test_volts_are_no_lengths(refused):
+def test_volts_are_no_lengths(refusal):
     witec = ["ScanUnit=µm", "ScanWidth=5", "ScanHeight=2", "DataUnit=V"]
-    refused(matrix(*witec), "values in V, no length", **GIVEN | {"height_unit": ""})
+    refusal(matrix(*witec), "values in V, no length", **GIVEN | {"height_unit": ""})
     spip = ["x-length = 5000", "y-length = 2000", "Bit2nm = 1.0", "z-unit = V"]
-    refused(matrix(*spip), "line 3 says 'Bit2nm = 1.0', line 4 says 'z-unit = V'", unit="nm")
+    refusal(matrix(*spip), "line 3 says 'Bit2nm = 1.0', line 4 says 'z-unit = V'", unit="nm")
 
 
 def test_markers_of_programs(read):
@@ -468,20 +468,20 @@ def test_markers_of_programs(read):
 
 
 @pytest.mark.parametrize("count", [2, 3])
-def test_wrapped_lines_are_asked_about(read, refused, count):
+def test_wrapped_lines_are_asked_about(read, refusal, count):
     y, x = np.indices((12, 24))
     smooth = 300 * np.sin(0.31 * x + 0.2) * np.cos(0.1 * y) + 7.3 * x
     lines = ("Width: 12 µm", "Height: 12 µm", "Z unit: nm")
-    refused(
+    refusal(
         matrix(*lines, heights=smooth.reshape(12 * count, -1)),
         f"{count} lines each go on where the one above",
     )
     read(matrix(*lines, heights=smooth))
 
 
-def test_a_number_of_points_in_a_phrase_shows_that_lines_are_missing(read, refused):
+def test_a_number_of_points_in_a_phrase_shows_that_lines_are_missing(read, refusal):
     head = "pixel size 0.5 µm, 10 x 12 points, heights in nm"
-    refused(f"{head}\n{ROWS}", "says 10 and 12 points, the table has 8 rows of 10 numbers; it was cut off")
+    refusal(f"{head}\n{ROWS}", "says 10 and 12 points, the table has 8 rows of 10 numbers; it was cut off")
     message = "line 1 says '10 x 12 points of steel', which is not used: check the steps"
     assert message in warnings_of(read("10 x 12 points of steel\n" + ROWS, **GIVEN))
 
@@ -494,9 +494,9 @@ def test_a_named_column_without_cells_and_a_section_are_no_columns(read):
     holds_nm(read(f"[Profile]\nStep x: 0.5 µm\nZ unit: nm\n[Data]\n{column}"), ONE[:1])
 
 
-def test_a_column_of_the_points_of_a_map_is_no_profile(read, refused):
+def test_a_column_of_the_points_of_a_map_is_no_profile(read, refusal):
     column = cells(ONE.reshape(-1, 1))
-    refused(
+    refusal(
         f"pixel size: 0.5 µm\nheights in nm\n10 x 8 points\n{column}", "says 10 x 8 points: write each row"
     )
     head = "Points: 80\nNumber of points: 80\npixel size: 0.5 µm\nheights in nm\n"
