@@ -98,14 +98,14 @@ def _origin(path: Path, _: int) -> str:
     return ""
 
 
-def export(result: str, form: str, before: str, *, plan: Plan | None) -> tuple[Path, str]:
+def export(result: str, form: str, previous: str, *, plan: Plan | None) -> tuple[Path, str]:
     """Make one of `EXPORTS` of one of the results; return its file and what a terminal shows.
 
     The file is the working directory where it has none.
     """
-    if not {result, before} <= panels(plan).keys() or form not in EXPORTS:
-        raise SettingsError(f"{result}, {before}, {form}: are no results of this study, or no form of them")
-    paths = {"folder": RESULTS / result, "before": RESULTS / before}
+    if not {result, previous} <= panels(plan).keys() or form not in EXPORTS:
+        raise SettingsError(f"{result}, {previous}, {form}: are no results of this study, or no form of them")
+    paths = {"folder": RESULTS / result, "before": RESULTS / previous}
     paths["output"] = Path("exports", result.replace("/", "-"))
     arguments = [word.format(**paths) for word in EXPORTS[form][1].split()]
     check_within_study(RESULTS, Path("exports"))

@@ -57,8 +57,8 @@ class Reader:
             if key not in self.readings:
                 self.readings[key] = self.pool.submit(inspect, row)
             # the cells of a row stay while its file is read again
-            before = UNREAD | {"columns": self.columns.get(path, [])}
-            inspection = self.readings[key].result() if self.readings[key].done() else before
+            previous = UNREAD | {"columns": self.columns.get(path, [])}
+            inspection = self.readings[key].result() if self.readings[key].done() else previous
             self.columns[path] = inspection["columns"]
             inspections.append((row, inspection))
         return inspections
@@ -66,7 +66,7 @@ class Reader:
 
 def unread(rows: Iterable[tuple[Row, Mapping[str, Any]]]) -> list[int]:
     """Return the numbers of the rows whose file has been looked at and cannot be read as it is."""
-    return [number for number, (_, found) in enumerate(rows) if found["key"] and not found["map"]]
+    return [number for number, (_, content) in enumerate(rows) if content["key"] and not content["map"]]
 
 
 def _key(row: Row) -> str:
@@ -86,17 +86,17 @@ def inspect(row: Row) -> dict[str, Any]:
             result |= content | {"text": inspection(content, path), "line": content["problem"] or ""}
             needed = [*content["needed"]]
             if heights is not None:
-                held, heights = content["map"], heights - np.nanmean(heights)
-                if held["ny"] == 1:  # a line on axes
-                    result["picture"] = _curve(heights[0], held["dx"])
+                extent, heights = content["map"], heights - np.nanmean(heights)
+                if extent["ny"] == 1:  # a line on axes
+                    result["picture"] = _curve(heights[0], extent["dx"])
                 else:  # a few spikes take no colour of the others
                     step = ceil(max(heights.shape) / _THUMBNAIL)
                     result["scale"] = np.nanpercentile(heights, [0.1, 99.9]).tolist()
                     result["picture"] = _picture(heights[::step, ::step], result["scale"])
-                span = quantity(held["highest"] - held["lowest"], "m")
-                result["line"] = f"{points_in_words(held)}, {field_in_words(held)}, heights over {span}"
-                if held["missing_points"]:
-                    result["line"] += f", {percent(held['missing_share'])} not measured"
+                span = quantity(extent["highest"] - extent["lowest"], "m")
+                result["line"] = f"{points_in_words(extent)}, {field_in_words(extent)}, heights over {span}"
+                if extent["missing_points"]:
+                    result["line"] += f", {percent(extent['missing_share'])} not measured"
                 # where the unit that the file, or `unit`, says may not be that of the heights
                 needed += ["height_unit"] * any("unit" in doubt for doubt in content["warnings"])
     except Exception as error:  # a reader may raise anything
@@ -117,10 +117,10 @@ def _picture(heights: np.ndarray, scale: Sequence[float]) -> str:
     return picture
 
 
-def _curve(heights: np.ndarray, step: float, *, along: str = "x") -> str:
+def _curve(heights: np.ndarray, step: float, *, axis: str = "x") -> str:
     """Return a chart of heights (m) along a line with even steps (m) as a data URI."""
     chart = map_plots.height_map(maps.height_map(heights[None], step))
-    chart.x = replace(chart.x, label=chart.x.label.replace("x", along))
+    chart.x = replace(chart.x, label=chart.x.label.replace("x", axis))
     return chart.source()
 
 
@@ -132,7 +132,7 @@ def _height_map(key: str, path: str, **entries: Any) -> xr.DataArray:
     return height - height.mean()
 
 
-def whole(inspection: Mapping[str, Any]) -> str:
+def large_picture(inspection: Mapping[str, Any]) -> str:
     """Return the picture of all points of a map."""
     row = inspection["row"]
     return _picture(_height_map(_key(row), row["path"], **_entries(row)).values, inspection["scale"])
@@ -146,15 +146,15 @@ def cut(row: Row, line: str) -> dict[str, str]:
     height = _height_map(_key(row), row["path"], **_entries(row))
     start, end = np.reshape([1e-6 * float(word) for word in line.split(",")], (2, 2))
     x, y = (xr.DataArray(np.linspace(*bounds, _CUT), dims="point") for bounds in zip(start, end, strict=True))
-    along = height.sel(x=x, y=y, method="nearest").values
-    length, measured = float(np.hypot(*(end - start))), along[np.isfinite(along)]
+    levels = height.sel(x=x, y=y, method="nearest").values
+    length, finite = float(np.hypot(*(end - start))), levels[np.isfinite(levels)]
     words = f"x {quantity(start[0], 'm')}, y {quantity(start[1], 'm')}: "
     if length:
         words = f"{quantity(length, 'm')} along the line, heights over "
-    if not measured.size:
+    if not finite.size:
         return {"words": f"{words}not measured", "chart": ""}
-    value = np.ptp(measured) if length else measured[0]
-    chart = _curve(along, length / (_CUT - 1), along="along the line") if length else ""
+    value = np.ptp(finite) if length else finite[0]
+    chart = _curve(levels, length / (_CUT - 1), axis="along the line") if length else ""
     return {"words": words + quantity(float(value), "m"), "chart": chart}
 
 
@@ -163,9 +163,9 @@ def further(paths: Sequence[str], rows: Sequence[Row]) -> tuple[list[Row], str]:
     files, omissions = collect_files(paths)
     present = {row.get("path") for row in rows}
     new = rows_of([file for file in files if file not in present], present=rows)
-    known = f", {len(files) - len(new)} there already" if len(files) > len(new) else ""
+    duplicates = f", {len(files) - len(new)} there already" if len(files) > len(new) else ""
     left_out = f"; left out, as no measurements: {', '.join(omissions)}" if omissions else ""
-    return new, f"{len(new)} added{known}{left_out}"
+    return new, f"{len(new)} added{duplicates}{left_out}"
 
 
 async def save_upload(name: str, content: AsyncIterable[bytes]) -> str:

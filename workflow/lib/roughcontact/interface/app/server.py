@@ -25,7 +25,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from roughcontact.errors import SettingsError
 from roughcontact.interface.app import commands
-from roughcontact.interface.app.measurements import cut, save_upload, whole
+from roughcontact.interface.app.measurements import cut, large_picture, save_upload
 from roughcontact.interface.app.page import Page
 from roughcontact.interface.app.study import FOLDER, check_within_study, error_in_words
 from roughcontact.report.template import script_digests
@@ -67,7 +67,7 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         if "line" in query:
             return HTMLResponse(page.filled("cut", **cut(inspection["row"], query["line"])))
         # of which the type is stated in the picture itself
-        picture = urlopen(whole(inspection) if "whole" in query else inspection["picture"])
+        picture = urlopen(large_picture(inspection) if "whole" in query else inspection["picture"])
         return Response(picture.read(), media_type=picture.headers["Content-Type"])
 
     async def guard(request: Request, call_next: RequestResponseEndpoint) -> Response:
@@ -86,10 +86,10 @@ def application(page: Page, *, token: str, port: int) -> Starlette:
         return HTMLResponse(page.with_bar(Path(file), f"/{token}/") if exists else "", 200 if exists else 404)
 
     def export(request: Request) -> Response:
-        result, form, before = (request.query_params.get(name, "") for name in ("result", "form", "before"))
-        if form == "compare" and not before:
+        result, form, previous = (request.query_params.get(name, "") for name in ("result", "form", "before"))
+        if form == "compare" and not previous:
             return HTMLResponse(page.filled("compared", result=result))
-        file, words = commands.export(result, form, before or result, plan=page.checked["plan"])
+        file, words = commands.export(result, form, previous or result, plan=page.checked["plan"])
         return FileResponse(file, filename=file.name) if file.is_file() else PlainTextResponse(words)
 
     results = StaticFiles(directory="results", check_dir=False)

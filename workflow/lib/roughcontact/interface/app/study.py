@@ -34,9 +34,9 @@ JOBS: dict[str, Any] = {
         "question": question,
         "settings": [*_MATERIALS, *settings.split()],
         "columns": columns.split(),
-        "made": dict(setting.split("=") for setting in made.split()),
+        "made": dict(setting.split("=") for setting in presets.split()),
     }
-    for key, question, columns, made, settings in rows_beside(__file__, "jobs.tsv")
+    for key, question, columns, presets, settings in rows_beside(__file__, "jobs.tsv")
 }
 _TABLE = Settings.model_fields["surfaces"].default
 _HEAD = "# written by the page of roughcontact, see config/README.md"
