@@ -114,8 +114,8 @@ def relaxation_of(relaxation: Any, *, poissons_ratio: float = RUBBER_RATIO) -> R
         return relaxation
     ratio = check_poissons_ratio("poissons_ratio", poissons_ratio)
     properties = dict(relaxation) if isinstance(relaxation, Mapping) else {"table": relaxation}
-    if "table" in properties and (beside := [key for key in _SERIES if properties.get(key) is not None]):
-        raise _refusal(f": a table and {beside[0]} of a Prony series given; give one of them")
+    if "table" in properties and (series_keys := [key for key in _SERIES if properties.get(key) is not None]):
+        raise _refusal(f": a table and {series_keys[0]} of a Prony series given; give one of them")
     if unknown := {*properties} - KEYS:
         raise _refusal(
             f".{min(unknown)}: unknown; give long_time_modulus, moduli and times of a Prony series, or the "
@@ -226,9 +226,9 @@ def _role(heading: Any) -> tuple[str, str, tuple[str, str, dict[str, str]]]:
     The unit stands after a bracket, a comma, a stroke or "in".
     """
     text = str(heading).replace("_", " ").replace("’", "'").strip().lstrip('"')
-    plain, *after = re.split(r"\s*[\[(,/]\s*|\s+in\s+", text, maxsplit=1)
+    plain, *unit = re.split(r"\s*[\[(,/]\s*|\s+in\s+", text, maxsplit=1)
     roles = (role for form, role in _HEADINGS.items() if re.fullmatch(form, plain))
-    return plain, "".join(after).strip(" )]"), next(roles, ("", "", {}))
+    return plain, "".join(unit).strip(" )]"), next(roles, ("", "", {}))
 
 
 def _table_of_text(text: str) -> pd.DataFrame:

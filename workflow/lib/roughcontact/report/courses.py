@@ -80,8 +80,8 @@ def answer_with_courses(
     if not parts:
         return [*answer]
     openings = [sections[part]["sentences"][0].removesuffix(".").partition(". ")[0] for part in parts]
-    before = ", ".join(_BEFORE[part] for part in parts).capitalize()
-    at_rest = [first.continued(before) for first in answer[:1]]
+    occasions = ", ".join(_BEFORE[part] for part in parts).capitalize()
+    at_rest = [statement.continued(occasions) for statement in answer[:1]]
     return [*(Sentence(f"{opening}.") for opening in openings), *at_rest, *answer[1:]]
 
 
@@ -116,10 +116,10 @@ def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
     ways = _along(over, "direction")
     highest = [way.isel(speed=int(way[FRICTION].values.argmax())) for way in ways]
     index = int(np.argmax([way[FRICTION].item() for way in highest]))
-    others = [_scalars(way) for way in highest if way is not highest[index]]
+    other_ways = [_scalars(way) for way in highest if way is not highest[index]]
     misfit = float(over.attrs["relaxation_misfit"])  # of the table from every linear material
     speeds, warm = over["speed"].values.tolist(), _warm_from(ways[index])
-    text = sentence("slides", _scalars(highest[index]), others, speeds, misfit, MAX_MISFIT, warm)
+    text = sentence("slides", _scalars(highest[index]), other_ways, speeds, misfit, MAX_MISFIT, warm)
     return [text], partial(_sliding_charts, over, ways, highest, index)
 
 
@@ -169,16 +169,16 @@ def _octaves(highest: xr.Dataset) -> Chart:
 
 def _wear(_: xr.Dataset, over: xr.Dataset) -> Part:
     """Return the sentence of a worn face, and what draws the charts."""
-    before, last = (_scalars(over.isel(sliding_distance=index)) for index in (0, -1))
-    return [sentence("runs_in", last, before, CLOSED)], partial(_wear_charts, over)
+    unworn, last = (_scalars(over.isel(sliding_distance=index)) for index in (0, -1))
+    return [sentence("runs_in", last, unworn, CLOSED)], partial(_wear_charts, over)
 
 
 def _wear_charts(over: xr.Dataset) -> Charts:
     """Draw maps before and after wear, and answers over the distance."""
     from roughcontact.report.map_plots import height_map  # with all that levels maps, for few pages
 
-    before, after = over.isel(sliding_distance=0), over.isel(sliding_distance=-1)
-    unit = unit_of(before, "m")
+    unworn, worn = over.isel(sliding_distance=0), over.isel(sliding_distance=-1)
+    unit = unit_of(unworn, "m")
     distances = over["sliding_distance"].values
     # the face as it is stands at the left end
     distances = np.where(distances == 0, distances[distances > 0].min() / 3, distances)
@@ -186,8 +186,8 @@ def _wear_charts(over: xr.Dataset) -> Charts:
     heights = over[[*_HEIGHTS]].where(over[[*_HEIGHTS]] >= CLOSED) * unit.factor
     curves = {f"{name}, {words}": [distances, heights[name].values] for name, words in _HEIGHTS.items()}
     return {
-        "heights before wear": height_map(before["height"], like=before["height"]),
-        f"heights after {number(distances[-1])} m": height_map(after["height"], like=before["height"]),
+        "heights before wear": height_map(unworn["height"], like=unworn["height"]),
+        f"heights after {number(distances[-1])} m": height_map(worn["height"], like=unworn["height"]),
         **_over({"": (distances, over)}, _WORN, x_axis, " over the distance"),
         "height parameters over the distance": curves_chart(x_axis, f"height ({unit.symbol})", curves),
     }

@@ -180,15 +180,15 @@ def sliding_friction(
     courses = []
     for way in ways:
         path, start, rows = np.exp(1j * math.radians(way)).round(15), None, []  # along an axis exactly
-        for each in speeds:
-            velocity = each * path.real, each * path.imag
+        for sliding_speed in speeds:
+            velocity = sliding_speed * path.real, sliding_speed * path.imag
             contact = sliding_contact(
                 window, rubber.compliance, velocity, load, tolerance=accuracy, start=start, threads=threads
             )
             if contact.error_bound > accuracy:
                 raise ConvergenceError(
-                    f"speed {each:g} m/s: the error bound stopped at {contact.error_bound:.2g} after "
-                    f"{contact.contacts} contacts, above the tolerance {accuracy:g}; raise it"
+                    f"speed {sliding_speed:g} m/s: the error bound stopped at {contact.error_bound:.2g} "
+                    f"after {contact.contacts} contacts, above the tolerance {accuracy:g}; raise it"
                 )
             start, gap = contact.pressure, contact.gap
             maps = xr.Dataset(
@@ -204,7 +204,7 @@ def sliding_friction(
                 warm = flash_temperature(
                     maps.expand_dims("load").assign(height=window),
                     friction_coefficient=contact.friction + row.get(BY_AREA, 0.0),
-                    speed=each,
+                    speed=sliding_speed,
                     thermal_conductivity=thermal_conductivity,
                 )
                 row["max_flash_temperature"] = warm["max_flash_temperature"].item()
