@@ -73,8 +73,9 @@ def limit_in_words(numbers: Numbers, name: str) -> str:
     ('of at most 1.08 ml/h', 'of at least 1.00 %')
     """
     allowed, limit = ALLOWED_VALUES[name], float(numbers[f"allowed_{name}"])
-    unit = "%" if allowed.unit == "1" else allowed.unit  # as the number beside it
-    return f"of at {allowed.bound} {unit_of(numbers, unit, limit).text(limit)}"
+    # a share in percent, as the number beside it
+    unit = unit_of(numbers, "%" if allowed.unit == "1" else allowed.unit, limit)
+    return f"of at {allowed.bound} {unit.text(limit)}"
 
 
 def _total_in_words(numbers: Numbers, name: str, index: int) -> str:

@@ -77,11 +77,9 @@ def answer_with_courses(
     ['After 5 MPa: so.', 'Run in after 3 m: so.', 'On loading, before sliding, at 1 MPa: ...']
     """
     parts = [part for part in reversed(_BEFORE) if part in sections]
-    if not parts:
-        return [*answer]
     openings = [sections[part]["sentences"][0].removesuffix(".").partition(". ")[0] for part in parts]
     occasions = ", ".join(_BEFORE[part] for part in parts).capitalize()
-    at_rest = [statement.continued(occasions) for statement in answer[:1]]
+    at_rest = [statement.continued(occasions) if parts else statement for statement in answer[:1]]
     return [*(Sentence(f"{opening}.") for opening in openings), *at_rest, *answer[1:]]
 
 

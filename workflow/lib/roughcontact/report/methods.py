@@ -39,10 +39,9 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
     rising = statistics["mean_pressure"].argsort().values.tolist()
     indices = [rising[0], rising[len(rising) // 2], rising[-1]] if len(rising) > _MAX_LOADS else rising
     text = template("methods.txt").render(
-        settings | {"form": settings.get("form") or {}},
+        settings | {key: settings.get(key) or {} for key in ("form", "surface")},
         attrs=attrs,
         sha256=[f"{text[:8]}…" for text in str(attrs.get("source_sha256", "")).split(" + ") if text],
-        regions=_regions(settings.get("surface") or {}),
         sides=[length for length in lengths if math.isfinite(length)],
         periodisation=attrs.get("periodisation", settings["window"]["method"]),
         **{name: float(statistics[name]) for name in ("rms_height", "rms_gradient", "contact_modulus")},
@@ -59,22 +58,6 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
         commit=str(attrs.get("commit", ""))[:7],
     )
     return paragraph(text)
-
-
-def _regions(cells: dict[str, Any]) -> list[str]:
-    """Return which part of a measured map was used, from the cells of the table of surfaces.
-
-    Examples
-    --------
-    >>> _regions({"crop": "20 10 120 110 um", "parts": [2, 1, 2, 2]})
-    ['cropped to 20 10 120 110 um (corners from the lower left one)', 'part 2-1 of 2x2']
-    """
-    corners = "(corners from the lower left one)"
-    words = {"crop": f"cropped to {{}} {corners}", "mask": f"without those within {{}} {corners}"}
-    regions = [text.format(cells[key]) for key, text in words.items() if cells.get(key)]
-    if tile := cells.get("parts"):
-        regions.append("part {}-{} of {}x{}".format(*tile))
-    return regions + ["cut to what all maps of the place show"] * ("place" in cells)
 
 
 def _range_of_hardness(statistics: xr.Dataset) -> str:
