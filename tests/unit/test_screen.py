@@ -145,9 +145,11 @@ def test_a_name_that_ends_with_a_number_takes_nothing_of_the_surface_without_it(
         fields = {"rule_name": rule, "wildcards": {"result": name}, "log": [str(log)] if number == 1 else []}
         run.tell(event="job_info", jobid=number, output=[], **fields)
         run.tell(event="job_finished" if not planned else "", job_id=number, delay=number)
+    if planned:
+        run.tell("This was a dry-run (flag -n).")
     lines = [line.partition(" (")[0] for line in run.lines[1:]]
     assert lines == (
-        ["plate-1: draw", "plate: prepare, draw"]
+        ["plate: prepare, draw", "plate-1: draw", "This is a plan: nothing was done."]
         if planned
         else ["plate-1: done", "plate: done, 1 warning in its logs and in the report"]
     )
@@ -295,6 +297,17 @@ def test_a_dry_run_shows_one_line_of_each_surface():
         "turned: prepare, draw",
         "This is a plan: nothing was done.",
     ]
+
+
+def test_a_dry_run_counts_a_single_job_and_shows_faces_with_every_placement():
+    """Also where the last step of a placement is not asked for, as with `--until contact`."""
+    run = Run(planned=True)
+    run.tell(event="run_info", stats={"contact": 1, "total": 1})
+    jobs = {"prepare_face": "seal-face", "superpose": "seal-1", "contact": "seal-1"}
+    for rule, result in jobs.items():
+        run.tell(event="job_info", rule_name=rule, wildcards={"result": result})
+    run.tell("This was a dry-run (flag -n).")
+    assert run.lines == ["1 job", "seal-1: prepare, superpose, contact", "This is a plan: nothing was done."]
 
 
 def test_what_is_asked_for_beside_a_run_is_shown():

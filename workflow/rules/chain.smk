@@ -163,7 +163,6 @@ if len(PLAN.results) > ONE_PAGE:
 rule report:
     """Put all results into one dataset, one table, and one self-contained page."""
     input:
-        sources=sources_of("report"),
         statistics=expand("results/{result}/statistics.nc", result=PLAN.results),
         # which are read beside the statistics
         panels=expand("results/{result}/panel.html", result=PLAN.results),

@@ -49,7 +49,6 @@ class Screen:
         self.clock = Clock()
         self.logs: dict[str, list[str]] = {}
         self.plans: dict[str, dict[str, None]] = {}  # steps of each result, in order
-        self.shared: set[str] = set()  # faces of pairs whose steps are in the lines of their placements
         self.page = ""
 
     def show(self, record: logging.LogRecord, text: str) -> None:
@@ -92,22 +91,20 @@ class Screen:
         self.clock.plan({rule: jobs for rule, jobs in stats.items() if rule != "total"})
         self.results = sum(stats.get(rule, 0) for rule in _LAST)
         results = f"{self.results} result{'s' * (self.results != 1)}, " if self.results else ""
-        self._line(f"{results}{self.clock.total} jobs")
+        self._line(f"{results}{self.clock.total} job{'s' * (self.clock.total != 1)}")
 
     def _plan(self, fields: Mapping[str, Any]) -> None:
-        """Note a job of a plan; with the last one of a result show what would be done for it."""
-        rule, result = fields["rule_name"], _result(fields)
+        """Note a job of a plan."""
+        rule = fields["rule_name"]
         self.plans.setdefault(_owner(fields), {})[_STEPS.get(rule, rule)] = None
-        if rule in _LAST:
-            steps = self.plans.pop(result)
-            self.shared.add(_faces(result))
-            self._line(f"{result}: {', '.join(self.plans.get(_faces(result), {}) | steps)}")
 
     def _end_plan(self) -> None:
-        """Show what would be done for files that were asked for by name, and that nothing was."""
+        """Show what would be done for each result, its faces included, and that nothing was."""
+        faces = {result: _faces(result) for result in self.plans}
+        shared = {owner for result, owner in faces.items() if owner != result}
         for result, steps in self.plans.items():
-            if result and result not in self.shared:
-                self._line(f"{result}: {', '.join(steps)}")
+            if result and result not in shared:
+                self._line(f"{result}: {', '.join(self.plans.get(faces[result], {}) | steps)}")
         self._line("This is a plan: nothing was done.")
 
     def _follow(self, event: str, fields: dict[str, Any], now: float) -> None:

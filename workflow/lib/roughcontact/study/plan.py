@@ -219,12 +219,11 @@ class Plan:
             keys = ("repeats", "along", "place", "overview")
             further_paths = (entry["path"] for key in keys for entry in row.read_arguments.get(key, ()))
             return [*dict.fromkeys([str(row.path), *further_paths])]
-        path = relaxation_table(self.cases[case]["contact"]["bodies"])
-        relaxation = [path] if path else []
-        if rule == "slide":
-            return relaxation
         is_solving = rule in ("contact", "statistics") and not self.other_case("uncertainty", result)
-        return relaxation if is_solving else []
+        path = (
+            relaxation_table(self.cases[case]["contact"]["bodies"]) if is_solving or rule == "slide" else ""
+        )
+        return [path] if path else []
 
     def all_sources(self, result: str) -> list[str]:
         """Return the paths of the measured files that contribute to a result."""

@@ -6,7 +6,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from roughcontact.arguments.bodies import relaxation_table
 from roughcontact.study.checksums import checksum
 from roughcontact.study.dependencies import source_digest
 from roughcontact.study.places import PARTIAL
@@ -55,13 +54,11 @@ class RuleArguments:
 
     def sources_of(
         self, rule: Rule, *, local: Callable[[str], str], before: Callable[[], None]
-    ) -> InputFunction | list[str]:
+    ) -> InputFunction:
         """Return the input function of measured files, `local` ones even where results have a prefix.
 
         `before` is called first: each job depends on one that reads.
         """
-        if not self._reads(rule):
-            return []
 
         def files(result: str) -> list[str]:
             before()
@@ -95,11 +92,11 @@ class RuleArguments:
         def settings(result: str) -> dict[str, Any]:
             return {stage: plan.settings(stage, result) for stage in STAGES[rule] or ("statistics",)}
 
-        params: dict[str, Any] = {"settings": _for_result(settings), "sources": {}, "code": code}
-        if self._reads(rule):
-            params["sources"] = _for_result(lambda result: _checksums(plan.sources(rule, result)))
+        params: dict[str, Any] = {"settings": _for_result(settings), "code": code}
+        params["sources"] = _for_result(lambda result: _checksums(plan.sources(rule, result)))
+        if rule.startswith("prepare"):
             params["readers"] = _for_result(lambda result: [*map(reader_digest, plan.sources(rule, result))])
-        if not rule.startswith("prepare"):
+        else:
             # of files made before: by dates alone a copy of a run that was killed may look complete
             params["measured"] = _for_result(lambda result: _checksums(plan.all_sources(result)))
             params["origin"] = _for_result(lambda result: plan.origin("window", result, checksum))
@@ -126,12 +123,6 @@ class RuleArguments:
     def threads_of(self) -> Callable[[Any], int]:
         """Return the function of the threads of the solver."""
         return _for_result(self.plan.threads)
-
-    def _reads(self, rule: Rule) -> bool:
-        """Return whether any job of a rule reads files from outside."""
-        if rule in ("contact", "statistics"):  # a relaxation
-            return any(relaxation_table(case["contact"]["bodies"]) for case in self.plan.cases.values())
-        return rule == "slide" or rule.startswith("prepare")
 
     @cache  # noqa: B019 - there is one plan
     def points(self, result: str) -> int:
