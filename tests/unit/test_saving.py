@@ -1,6 +1,8 @@
 """Files of `roughcontact solve FILE -o RESULT`: the numbers of `evaluate`, or the maps of the solver."""
 
 import re
+import subprocess
+import sys
 from xml.etree import ElementTree
 
 import numpy as np
@@ -154,6 +156,20 @@ def test_maps_of_a_kept_file_are_written_too(tmp_path, monkeypatch):
     with pytest.raises(rc.SettingsError, match=r"1.02e-06 GB, a TIFF holds 4 GB: choose .vti"):
         write_tiff(solved, tmp_path / "maps.tiff")
     assert not list(tmp_path.iterdir())
+
+
+def test_nothing_is_printed_where_maps_are_written_as_tiff(tmp_path):
+    """In development mode, since Python 3.13 always, an error while a stream is deleted is printed."""
+    lines = (
+        "import roughcontact as rc",
+        "from roughcontact.results.exchange import write_tiff",
+        "surface = rc.self_affine_surface((16, 16), 1.0, hurst=0.5, shortest=4, longest=8, rms_height=1.0)",
+        "write_tiff(rc.solve_contact(surface, contact_modulus=1.0, mean_pressure=0.1), 'maps.tiff')",
+    )
+    command = [sys.executable, "-X", "dev", "-W", "ignore", "-c", "\n".join(lines)]
+    process = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert (process.returncode, process.stderr) == (0, "")
+    assert tifffile.TiffFile(tmp_path / "maps.tiff").pages[3].shape == (16, 16)
 
 
 @pytest.mark.cases

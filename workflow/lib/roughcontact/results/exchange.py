@@ -6,7 +6,7 @@ Files of maps hold the height of the window and, for each load, pressure, gap an
 import io
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import pandas as pd
@@ -115,26 +115,32 @@ def write_tiff(contact: xr.Dataset, path: str | Path) -> None:
     ...         pages.n_frames, pages.mode, pages.tag_v2[270]
     (4, 'F', 'pressure (Pa) at a mean pressure of 0.1 Pa')
     """
-    from PIL import Image
-    from PIL.TiffImagePlugin import AppendingTiffWriter, IFDRational, ImageFileDirectory_v2
-
     dy, dx = spacing(contact["height"])
     size = 4 * contact["height"].size * (1 + 3 * contact.sizes["load"])
     if size > _MAX_TIFF_BYTES:  # before anything is written
         raise SettingsError(f"{path}: the maps take {size / 1e9:.3g} GB, a TIFF holds 4 GB: choose .vti")
-    with atomic_write(path, size=size) as partial, AppendingTiffWriter(str(partial), new=True) as file:
-        for name, load, field in _maps(contact):
-            text = f"{name} ({_UNITS[name]})"
-            if load is not None:
-                text += f" at a mean pressure of {float(contact['mean_pressure'][load]):.6g} Pa"
-            tags: Any = ImageFileDirectory_v2()
-            tags[270] = text
-            # resolution in pixels per cm, code 3
-            tags[282], tags[283], tags[296] = IFDRational(1e-2 / dx), IFDRational(1e-2 / dy), 3
-            picture = field.values[::-1].astype(np.float32)
-            # the first row of a picture is its top
-            Image.fromarray(picture).save(file, format="TIFF", tiffinfo=tags)
-            file.newFrame()
+    with atomic_write(path, size=size) as partial, partial.open("w+b") as stream:
+        _write_pages(contact, stream, dy, dx)
+
+
+def _write_pages(contact: xr.Dataset, stream: BinaryIO, dy: float, dx: float) -> None:
+    """Write the maps to a stream that outlives the writer, which returns to it when it is deleted."""
+    from PIL import Image
+    from PIL.TiffImagePlugin import AppendingTiffWriter, IFDRational, ImageFileDirectory_v2
+
+    file = AppendingTiffWriter(stream)
+    for name, load, field in _maps(contact):
+        text = f"{name} ({_UNITS[name]})"
+        if load is not None:
+            text += f" at a mean pressure of {float(contact['mean_pressure'][load]):.6g} Pa"
+        tags: Any = ImageFileDirectory_v2()
+        tags[270] = text
+        # resolution in pixels per cm, code 3
+        tags[282], tags[283], tags[296] = IFDRational(1e-2 / dx), IFDRational(1e-2 / dy), 3
+        picture = field.values[::-1].astype(np.float32)
+        # the first row of a picture is its top
+        Image.fromarray(picture).save(file, format="TIFF", tiffinfo=tags)
+        file.newFrame()
 
 
 def write_gsf(values: xr.DataArray, path: str | Path) -> None:
