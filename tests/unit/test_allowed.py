@@ -206,7 +206,9 @@ def test_what_a_fluid_lifts_does_not_hold_in_files_and_words(lifted):
     (row,) = glance_rows(lifted, indices=[1])
     cell = row["sealing"]
     assert (cell.text, cell.precision) == ("leaks", "decided")
-    assert cell.details == f"the fluid, at 0.500 MPa, lifts the bodies; leak of at most 1.00 ml/h: {words}"
+    assert (
+        cell.all_details == f"the fluid, at 0.500 MPa, lifts the bodies; leak of at most 1.00 ml/h: {words}"
+    )
 
 
 def test_a_load_below_that_of_the_fluid_is_no_load_from_which_on_it_holds():

@@ -110,7 +110,7 @@ def test_the_page_has_the_digits_of_the_file(result):
             cell, (digits, unit) = cells[name], expected(result, name, load)
             number, _, interval = digits.partition(" ")
             assert cell.text == f"{number} {unit}"
-            assert cell.details in (interval.strip("()"), "the hardness, taken as exact")
+            assert cell.details in (interval.strip("()"), "the hardness as stated")
 
 
 def test_the_screen_has_the_cells_of_the_page(result, monkeypatch):
@@ -123,7 +123,7 @@ def test_the_screen_has_the_cells_of_the_page(result, monkeypatch):
     for heading, name in zip(asked, [LOAD, *columns], strict=True):
         cells = [row[name] for row in rows]
         if any(cell.text != NOT_JUDGED for cell in cells):
-            texts = [text for cell in cells for text in (cell.text, cell.details, cell.known)]
+            texts = [text for cell in cells for text in (cell.text, cell.all_details, cell.known)]
             judged[marked(heading)] = marked(words(" ".join([heading, *texts])))
     table, unanswered = lines, ""
     if lines[-1].startswith(f"  {NOT_JUDGED} "):
@@ -143,7 +143,9 @@ def test_the_words_of_each_load_are_those_of_its_cells(result):
             # what is not asked for needs no words at each load
             words = f"{ANSWERS[name].words if name in ANSWERS else HEADINGS[name]} {cell.text}".lower()
             if name in asked_columns([result]):
-                assert all(part in text for part in (cell.text, *cell.details.split("; "), cell.precision))
+                assert all(
+                    part in text for part in (cell.text, *cell.all_details.split("; "), cell.precision)
+                )
             else:
                 assert name == LOAD or words not in text.lower()
 

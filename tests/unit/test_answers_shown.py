@@ -125,12 +125,12 @@ def test_the_leak_rate_of_a_seal_stands_beside_the_answer():
     )
     cell = glance._seals(numbers, *glance.glance_units([numbers]), 0)
     assert cell.text == "seals along y, leaks along x"
-    assert cell.details.replace("\N{NO-BREAK SPACE}", " ") == (
+    assert cell.all_details.replace("\N{NO-BREAK SPACE}", " ") == (
         "leak rate 3600 ml/(h m) (x); narrowest place 2.00 µm (x)"
     )
     unsolved = numbers.assign(leak_rate_x=("load", [np.nan]))  # its flow did not converge
     two_loads = xr.concat([numbers, unsolved], "load", data_vars="minimal")
-    details = glance._seals(two_loads, *glance.glance_units([numbers]), 1).details
+    details = glance._seals(two_loads, *glance.glance_units([numbers]), 1).all_details
     assert details.startswith("leak rate not known (x); narrowest place")
 
 
@@ -164,7 +164,8 @@ def test_whether_a_body_yields_is_answered_where_it_can_be():
         of_load = numbers.drop_vars([*of_bodies]).expand_dims("load")
         return glance._yields(of_load.merge(of_bodies), {}, 0)
 
-    assert answer(load.assign(hardness=3e9)) == glance.Cell("yes", "25.0 % of the load flows")
+    flows = glance.Cell("yes", "yielded asperities carry 25.0 % of the load")
+    assert answer(load.assign(hardness=3e9)) == flows
     below_surface = load.assign(load_share_above_hardness=0.0, hardness=3e9)
     assert answer(below_surface) == glance.Cell("yes", "below the surface")
     limited = below_surface.assign(volume_above_yield=0.0, max_pressure=3e9)
@@ -179,7 +180,7 @@ def test_whether_a_body_yields_is_answered_where_it_can_be():
     assert answer(load.assign(volume_above_yield=0.0)) == glance.Cell("no", "yield stress nowhere reached")
     assert answer(load.assign(volume_above_yield=np.inf)) == glance.Cell("yes", "below the surface")
     unknown = load.drop_vars("volume_above_yield")
-    assert answer(unknown) == glance.Cell(glance.NOT_JUDGED, "no hardness stated; metals would")
+    assert answer(unknown) == glance.Cell(glance.NOT_JUDGED, "no hardness stated; metals would yield")
     assert answer(unknown.assign(contact_modulus=1e6)) == glance.Cell(glance.NOT_JUDGED, "rubber-like")
 
 
@@ -227,16 +228,20 @@ def test_a_remark_of_several_answers_stands_once_in_the_line():
     names = {name: ("load", [value]) for name, value in load.items()}
     numbers = xr.Dataset(names | {"hardness": 1e8, "contact_modulus": 1e9})
     line = glance.answer_line(numbers, 0, glance.glance_rows(numbers, indices=[0])[0])
-    assert line.count("hardness taken as exact") == 1
-    assert line.endswith("; hardness taken as exact.")
+    assert line.count("uncertainty of the hardness not included") == 1
+    assert line.endswith("; uncertainty of the hardness not included.")
 
 
 @pytest.mark.parametrize(("resistance", "text"), [(1.5e-8, "15.0 nΩ"), (2e-5, "20.0 µΩ"), (0.3, "300 mΩ")])
 def test_a_resistance_has_the_prefix_that_brings_it_between_1_and_1000(resistance, text):
     numbers = {"total_electrical_resistance": [resistance], "resistance_holds": [1.0], "mean_pressure": [1e6]}
     numbers |= {"allowed_resistance": 1e-3, "contact_modulus": 1e11}
+    bounds = {f"resistance_holds_from{end}": 1e6 for end in ENDS}
     words = str(allowed_in_words(numbers, "resistance", 0, brief=True))
-    assert words == f"resistance {text} of at most 1.00 mΩ: holds"
+    assert words == "of at most 1.00 mΩ: holds"  # below the number
+    assert str(allowed_in_words(numbers | bounds, "resistance", 0)).startswith(
+        f"resistance {text} at 1.00 MPa, "
+    )
     assert unit_of(numbers, "Ohm").text(resistance) == text
     of_heat = unit_of({"total_thermal_resistance": [resistance]}, "K W-1").text(resistance)
     assert of_heat == text.replace("Ω", "K/W")
@@ -255,8 +260,26 @@ def test_the_total_of_a_joint_comes_first_with_what_is_allowed():
     surface |= {"resistance_holds_from_lower": 0.0, "resistance_holds_from_upper": 1e6}
     numbers = xr.Dataset({name: ("load", [value]) for name, value in joint.items()} | surface)
     line = glance.answer_line(numbers, 0, glance.glance_rows(numbers, indices=[0])[0])
-    start = "Resistance 5.0 ± 1.0 µΩ at 1.00 MPa, of at most 1.00 mΩ: holds, from 1.00 MPa or less on. "
-    assert line.startswith(start)
+    assert line == "Resistance 5.0 ± 1.0 µΩ at 1.00 MPa, of at most 1.00 mΩ: holds, from 1.00 MPa or less on."
+
+
+def test_the_number_of_which_something_is_allowed_stands_in_the_place_of_the_conductance():
+    """The resistance in µΩ, not a conductance in GS/m²."""
+    joint = {"electrical_conductance": 5e9, "electrical_resistance": 2e-10, "mean_pressure": 1e6}
+    joint |= {"total_electrical_resistance": 5e-6, "resistance_holds": 1.0, "relative_contact_area": 0.2}
+    joint |= {"total_electrical_resistance_lower": 4e-6, "total_electrical_resistance_upper": 6e-6}
+    joint |= {"max_pressure": 1e8, "mean_gap": 1e-7, "mean_contact_pressure": 5e6}
+    limit = {"allowed_resistance": 1e-3, "joint_area": 4e-5, "contact_modulus": 1e11}
+    limit |= dict.fromkeys([f"resistance_holds_from{end}" for end in ENDS], 1e6)
+    numbers = xr.Dataset({name: ("load", [value]) for name, value in joint.items()} | limit)
+    cell = glance.glance_rows(numbers)[0]["conductance"]
+    assert (cell.text, cell.details) == ("5.0 µΩ", "± 1.0")
+    assert cell.all_details == "± 1.0; of at most 1.00 mΩ: holds"
+    assert [*map(str, cell.remarks)] == ["uncertainty of the resistivity not included"]
+    assert glance.headings_of(["conductance"], [numbers]) == ["mean pressure", "resistance of the joint"]
+    assert glance.headings_of(["conductance"], [numbers, numbers.drop_vars("resistance_holds")])[1] == (
+        "conductance"
+    )
 
 
 def test_the_line_of_a_joint_with_an_area_has_its_resistance():
@@ -283,7 +306,11 @@ def test_the_line_of_a_joint_with_an_area_has_its_resistance():
 
 
 def test_the_conductance_of_a_joint_is_that_with_its_gas():
-    heat = {"thermal_conductance": 2.3e5, "joint_conductance": 2.6e5, "mean_pressure": 1e6}
+    heat = {
+        "thermal_conductance": 2.3e5,
+        "joint_conductance": 2.6e5,
+        "mean_pressure": 1e6,
+    }
     heat |= {
         "relative_contact_area": 0.2,
         "max_pressure": 1e8,
@@ -294,7 +321,7 @@ def test_the_conductance_of_a_joint_is_that_with_its_gas():
     (cells,) = glance.glance_rows(xr.Dataset(load | {"contact_modulus": 1e11}), indices=[0])
     cell = cells["conductance"]
     assert cell.text == "260 kW/(m² K)"
-    assert cell.details.endswith("heat, with film and gas")
+    assert cell.details.endswith("heat through the joint")
 
 
 def test_friction_says_what_it_takes_for_granted_and_how_warm_it_gets():
@@ -315,5 +342,8 @@ def test_friction_says_what_it_takes_for_granted_and_how_warm_it_gets():
     assert columns == ["friction_coefficient", "max_flash_temperature"]
     units = glance.glance_units([numbers])[0]
     friction, warm = (glance.interval_cell(numbers, name, units, 0) for name in columns)
-    assert friction.remark == "most of it by the hardness, shear strength taken as exact"
+    assert [*map(str, friction.remarks)] == [
+        "uncertainty mainly from the hardness",
+        "uncertainty of the shear strength not included",
+    ]
     assert (warm.text, warm.details) == ("12.0 K", "no ±")

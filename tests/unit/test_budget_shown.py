@@ -65,7 +65,7 @@ def test_other_maps_have_a_column_where_the_window_is_a_source(sources):
 def test_what_is_not_in_the_interval_is_named(numbers):
     budget = shown_budget(numbers)
     assert budget["notes"][:1] == ["Not in the ±: instrument, modulus and load, hardness, unresolved waves."]
-    assert largest_parts(numbers) == "window"
+    assert largest_parts(numbers) == "for the contact area: window"
 
 
 def test_a_source_without_words_stands_by_its_name(numbers):
@@ -77,5 +77,5 @@ def test_a_source_without_words_stands_by_its_name(numbers):
     assert {"solver", "humidity", "window"} <= set(read_chart(titles["contact area"], log="xy").texts)
     assert (
         largest_parts(numbers.assign_coords(source=["solver", "grid", "humidity", *SOURCES[3:]]))
-        == "humidity"
+        == "for the contact area: humidity"
     )

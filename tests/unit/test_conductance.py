@@ -200,7 +200,9 @@ def test_what_has_no_interval_says_so_with_the_digits_of_the_area():
         }
     )
     cell = _conducts(numbers, glance_units([numbers])[0], 0)
-    assert cell == Cell("946000 GS/m²", "no ±, current; 0.001057 µΩ mm²")
+    assert cell == Cell(
+        "946000 GS/m²", "no ±, current", further=("0.001057\N{NO-BREAK SPACE}µΩ\N{NO-BREAK SPACE}mm²",)
+    )
     *_, table = number_tables(numbers, [[]])
     titles = [title for title, *_ in table["header"]]
     assert titles[1:] == ["electrical conductance, no ±", "specific contact resistance, no ±"]

@@ -143,6 +143,12 @@ def test_what_is_asked_for_is_to_be_halved(name, asked, words):
     assert "pixels" not in found.attrs["halve"]
 
 
+def test_more_of_a_profile_are_profiles_of_its_length():
+    profile = statistics({"window": 0.3, "solver": 0.01}).assign(window_length_y=np.nan)
+    assert re.match(r"measure \d+ more profiles? of this length", improvement.halving_line(profile))
+    assert re.fullmatch(r"\d+ profiles of this length in all", improvement.planning_line(profile))
+
+
 def test_the_part_of_a_leak_is_three_times_that_of_its_narrowest_place():
     """The leak goes with the cube of it: so many places that its own ± is a tenth, not that of the place."""
     leak = {"leak_rate_x": ("load", [1e-9])}
@@ -180,7 +186,7 @@ def test_an_isolated_summit_is_to_be_cleaned_first():
 
 def test_a_stated_instrument_is_to_be_stated_more_narrowly():
     line = improvement.halving_line(statistics({"instrument": 0.3, "window": 0.02}, instrument_noise=1e-9))
-    assert line == "repeat the measurement and average, or state the instrument more narrowly"
+    assert line == "repeat the measurement and average, or calibrate the instrument"
 
 
 def test_nothing_is_proposed_without_an_interval():

@@ -89,6 +89,18 @@ def test_contact_area_and_theories_against_the_load():
     assert line.y == near(100 * reference, 0.03)
 
 
+def test_elastic_theories_are_not_drawn_beside_asperities_that_yield():
+    """At these loads A = p/H, which is far above them; the axis ends at full contact."""
+    for shares, drawn_to in (([0.0, 0.05, 0.6], LOADS[1]), ([0.3, 0.5, 0.6], None)):
+        statistics = numbers().assign(load_share_above_hardness=("load", shares))
+        drawn = read_chart(load_plots.area_against_load(statistics, None), log="xy")
+        assert ("Persson" in drawn.legend) == load_plots.has_theories(statistics) == (drawn_to is not None)
+        if drawn_to is not None:
+            solid = next(line for line in drawn.lines if line.style == drawn.legend["Xu et al."][1])
+            assert solid.x.max() == near(1.5 * drawn_to / 1e6)
+        assert drawn.y_ends[1] == near(100.0)
+
+
 def compared(results, styles=None):
     """Return what a chart of several surfaces shows, by default in as many colours."""
     styles = styles or {name: series_style(index) for index, name in enumerate(results)}

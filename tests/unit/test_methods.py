@@ -45,7 +45,7 @@ def test_the_words_are_those_of_the_settings(statistics):
     assert "an S-filter of cut-off 3.00 µm applied" in text
     assert "steel (207 GPa, ν 0.30, hardness 1.40 GPa, yield stress 250 MPa) on PEEK (3.80 GPa" in text
     assert "the pressure limited to the hardness of 250 MPa" in text
-    assert "made periodic (smooth-cross-fade)" in text
+    assert "made periodic by blending opposite edges;" in text
     cells = {"mask": "0 0 9 9 um; 20 0 30 9 um", "parts": [1, 1, 2, 1], "place": []}
     settings = json_attribute(statistics.attrs, "settings") | {"surface": cells}
     used = methods_paragraph(statistics.assign_attrs(settings=json.dumps(settings)))
@@ -83,8 +83,8 @@ def test_the_paragraph_of_a_gap_of_atoms_has_no_digits_of_it(statistics):
     }
     atoms = statistics.assign({name: ("load", values) for name, values in gaps.items()})
     text = methods_paragraph(atoms)
-    assert "a mean gap of less than 1.00 nm." in text
-    assert "a mean gap of less than 1.00 nm (at most 2.00 nm)." in text
+    assert "a mean gap of < 1 nm." in text
+    assert "a mean gap of < 1 (0 to 2.00) nm." in text
     assert " pm" not in text
 
 

@@ -16,6 +16,8 @@ from roughcontact.results.collect import table
 from roughcontact.statistics.precision import add_precision, precision_in_words
 from roughcontact.surface.synthetic import rough_reference_surface
 
+NOT_INCLUDED = "uncertainty of the hardness not included"
+
 
 @pytest.fixture(scope="module")
 def statistics():
@@ -43,10 +45,10 @@ def test_an_interval_that_rests_on_a_property_says_so():
     for cells, limited in zip(glance_rows(result), flows, strict=True):
         area, pressure, gap, *_, conductance = (cells[name] for name in ANSWERS)
         for cell in (area, pressure):
-            assert cell.remark == ("hardness taken as exact" if limited else ""), cell
-            assert cell.known.endswith(", hardness taken as exact") == limited
-        assert gap.remark == ""
-        assert conductance.remark.endswith("conductivity taken as exact")
+            assert [*map(str, cell.remarks)] == [NOT_INCLUDED] * int(limited), cell
+            assert cell.known.endswith(f", {NOT_INCLUDED}") == limited
+        assert gap.remarks == ()
+        assert conductance.remarks[-1] == ("conductivity", True)
 
 
 def test_a_gap_that_is_closed_everywhere_is_known():
@@ -54,7 +56,7 @@ def test_a_gap_that_is_closed_everywhere_is_known():
     precision = add_precision(xr.Dataset({name: ("load", values) for name, values in gaps.items()}))
     np.testing.assert_equal(precision["mean_gap_known"].values, [0.0, np.nan])
     assert precision_in_words(0.0, 0.0, 0.0) == "to ± 10 %"
-    assert precision_in_words(0.0, 0.0, 1e-9) == "not by this map"
+    assert precision_in_words(0.0, 0.0, 1e-9) == "worse than a factor of 10"
 
 
 def test_the_files_hold_the_half_width_over_the_value(statistics):

@@ -163,8 +163,8 @@ def test_pressures_at_the_hardness_have_no_interval_and_no_difference():
     ]
     lapped, ground = group_rows(limited, columns=["max_pressure"])
     peak = [*group_headings(["max_pressure"])].index("max_pressure")
-    assert [cells[peak].details == "the hardness, taken as exact" for cells in ground["rows"]] == [True, True]
-    assert [cells[peak].details == "the hardness, taken as exact" for cells in lapped["rows"]] == [
+    assert [cells[peak].details == "the hardness as stated" for cells in ground["rows"]] == [True, True]
+    assert [cells[peak].details == "the hardness as stated" for cells in lapped["rows"]] == [
         False,
         True,
     ]
@@ -202,6 +202,18 @@ def test_comparisons_without_an_outcome_have_no_column_for_it(outcomes, columns)
     table = str(template("ratios.html").module.ratios([pair], "Differences"))
     assert ("outcome</th>" in table) == (columns > 1)
     assert table.count("<td") == columns
+
+
+def test_a_long_outcome_is_said_once_where_the_quantity_before_has_the_same():
+    outcome = "inconclusive: about 9 more maps per group needed, and smaller errors that all maps share"
+    rows = [
+        {"quantity": name, "cells": [Cell("1")], "outcomes": [text]}
+        for name, text in (("area", outcome), ("pressure", outcome), ("gap", "differ"), ("peak", "differ"))
+    ]
+    pair = {"first": "A", "second": "B", "loads": ["1 MPa"], "rows": rows}
+    table = str(template("ratios.html").module.ratios([pair], "Differences"))
+    shown = re.findall(r'<td class="text">([^<]*)</td>', table)
+    assert shown == [outcome, "as above", "differ", "differ"]
 
 
 def test_pictures_show_every_map():

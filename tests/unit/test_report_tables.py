@@ -9,7 +9,7 @@ from case_tables import cases_of
 
 from roughcontact.arguments.answers import UNITS
 from roughcontact.arguments.variables import VARIABLES
-from roughcontact.report.glance import Cell, glance_rows
+from roughcontact.report.glance import Cell, Remark, glance_rows
 from roughcontact.report.tables import number_tables
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
@@ -82,10 +82,11 @@ def test_the_answers_at_a_glance(variables_dropped, conducts):
         Cell("1.70 µm", "± 0.10", precision="to ± 10 %"),
         Cell(
             "seals along x, leaks along y",
-            f"leak rate 0.0180{space}ml/(h{space}m) (y); narrowest place 0.830{space}µm (y)",
+            f"leak rate 0.0180{space}ml/(h{space}m) (y)",
+            further=(f"narrowest place 0.830{space}µm (y)",),
         ),
-        Cell("yes", "25.0 % of the load flows"),
-        Cell("876 MPa", "the hardness, taken as exact"),
+        Cell("yes", "yielded asperities carry 25.0 % of the load"),
+        Cell("876 MPa", "the hardness as stated"),
         conducts,
         Cell("not judged"),  # the radius of a body of finite size
         Cell("not judged"),  # its approach
@@ -108,7 +109,7 @@ def test_every_number_of_the_tables_has_a_unit_of_its_dimension(name, unit):
 
 
 def test_a_cell_of_a_page_shows_all_its_parts():
-    cell = Cell("1.43 %", "−0.2 +0.3", precision="to ± 20 %", remark="hardness taken as exact")
+    cell = Cell("1.43 %", "−0.2 +0.3", precision="to ± 20 %", remarks=(Remark("hardness"),))
     shown = re.sub(r"<[^>]*>", "|", str(template("cell.html").module.content(cell)))
-    assert re.split(r"\|+", shown.strip("|")) == [cell.text, cell.details, cell.precision, cell.remark]
+    assert re.split(r"\|+", shown.strip("|")) == [cell.text, cell.details, cell.precision, str(*cell.remarks)]
     assert str(template("cell.html").module.content(Cell("no"))) == "no"

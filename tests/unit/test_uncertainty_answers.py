@@ -22,11 +22,11 @@ def test_the_table_says_or_more_where_there_is_no_bound_and_doubts_a_closed_gap(
     assert leaks.details.replace("\N{NO-BREAK SPACE}", " ") == "narrowest place 1.00 (0.80 or more) µm (x)"
     assert seals.text == "seals"
     doubted = "gap closed along x and y; narrowest place 0 or more µm (x)"
-    assert seals.details.replace("\N{NO-BREAK SPACE}", " ") == doubted
+    assert seals.all_details.replace("\N{NO-BREAK SPACE}", " ") == doubted
     rates = {"leak_rate_x": [2e-12, 0.0], "leak_rate_y": [0.0, 0.0]}
     rates |= {"leak_rate_x_lower": [0.0, 0.0], "leak_rate_x_upper": [9.2e-11, 9.2e-11]}
     numbers = numbers.assign({name: ("load", values) for name, values in rates.items()})
-    leaks, seals = (_seals(numbers, *glance_units([numbers]), index).details for index in (0, 1))
+    leaks, seals = (_seals(numbers, *glance_units([numbers]), index).all_details for index in (0, 1))
     rate = "(0 to 0.33) ml/(h m)".replace(" ", "\N{NO-BREAK SPACE}")
     assert leaks.startswith(f"leak rate 0.0072\N{NO-BREAK SPACE}{rate} (x); narrowest")
     assert f"; leak rate 0\N{NO-BREAK SPACE}{rate} (x); narrowest" in seals

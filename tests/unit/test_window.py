@@ -9,7 +9,7 @@ from known_surfaces import self_affine
 from shared_data import DATA
 
 from roughcontact import HeightMapError, SettingsError, height_map, level, periodic_window, read_height_map
-from roughcontact.arguments.choices import Placement, WindowMethod
+from roughcontact.arguments.choices import PERIODIC_BY, Placement, WindowMethod
 from roughcontact.arguments.maps import spacing
 from roughcontact.statistics.map_checks import FORM
 from roughcontact.surface import synthetic
@@ -107,7 +107,7 @@ def test_record_of_each_method(method):
     assert window.shape == shapes.get(method, (100, 128))
     used_points = 100 * 120 if method in fades else 100 * 128
     assert attrs["window_share"] == pytest.approx(used_points / 13000)
-    assert f"made periodic by {method}" in attrs["window_reason"] or method == "raw"
+    assert f"made periodic by {PERIODIC_BY.get(method)}" in attrs["window_reason"] or method == "raw"
     if method != "mirror":
         offset = {d: float(window[d][0] - levelled[d][0]) for d in "yx"}
         assert attrs["window_offset_x"] == pytest.approx(offset["x"], abs=1e-15)

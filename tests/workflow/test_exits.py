@@ -64,7 +64,7 @@ def known(value, lower, upper):
         return f"to ± {max(10, 5 * math.ceil(20 * half_width - 1e-9))} %"
     if factor <= 3:
         return f"to a factor {math.ceil(10 * factor - 1e-9) / 10:.1f}"
-    return "order of magnitude" if factor <= 10 else "not by this map"
+    return "order of magnitude" if factor <= 10 else "worse than a factor of 10"
 
 
 def cells(ends, unit):

@@ -14,6 +14,14 @@ Fill = Literal["harmonic", "none"]
 
 Placement = Literal["largest", "whole-periods"]
 WindowMethod = Literal["smooth-cross-fade", "periodic-plus-smooth", "cross-fade", "mirror", "taper", "raw"]
+# ways to make a window periodic, in words
+PERIODIC_BY = {
+    "smooth-cross-fade": "blending opposite edges",
+    "cross-fade": "blending opposite edges",
+    "periodic-plus-smooth": "subtracting the step between opposite edges",
+    "mirror": "adding its mirror images",
+    "taper": "fading the heights out at the edges",
+}
 
 ZeroFrequency = Literal["zero", "nogi-kato", "lattice"]
 Influence = Literal["sampled", "elements"]

@@ -4,10 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from roughcontact.arguments.answers import ALLOWED_VALUES, AREA, ENDS, TOTALS
+from roughcontact.arguments.answers import ALLOWED_VALUES, AREA, ENDS, TOTALS, UNITS
 from roughcontact.arguments.quantities import quantity, range_in_words
 from roughcontact.arguments.variables import Numbers
 from roughcontact.report.units import quantity_text, unit_of
+from roughcontact.statistics.allowed import compared_ends
 from roughcontact.statistics.decisions import is_lifted, lifting_pressure
 from roughcontact.statistics.kinds import load_in_words
 
@@ -54,8 +55,11 @@ def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = F
         limit = f"at {load_in_words(float(numbers['mean_pressure'][index]), numbers)[1]}, {limit}"
     word = HOLDING.get(holds, NOT_DECIDED)
     link = {HOLDS: "", FAILS: "would hold ", NOT_DECIDED: "would be "}[word]
-    # below its own heading a number needs no name
-    subject = "" if brief and allowed.answer in allowed.numbers else allowed.words
+    # a number needs no name below its own heading, and is not said twice
+    is_shown = brief and (
+        allowed.answer in allowed.numbers or name in stated_allowed(numbers, "conductance")[:1]
+    )
+    subject, total = ("", "") if is_shown else (allowed.words, total)
     lifts = fluid_in_words(numbers, index, name)
     detail = f" ({lifts})" if lifts else ""
     if not brief:
@@ -73,9 +77,7 @@ def limit_in_words(numbers: Numbers, name: str) -> str:
     ('of at most 1.08 ml/h', 'of at least 1.00 %')
     """
     allowed, limit = ALLOWED_VALUES[name], float(numbers[f"allowed_{name}"])
-    # a share in percent, as the number beside it
-    unit = unit_of(numbers, "%" if allowed.unit == "1" else allowed.unit, limit)
-    return f"of at {allowed.bound} {unit.text(limit)}"
+    return f"of at {allowed.bound} {unit_of(numbers, UNITS[allowed.numbers[0]], limit).text(limit)}"
 
 
 def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
@@ -93,13 +95,10 @@ def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
     totals = [total for total in ALLOWED_VALUES[name].numbers if total in TOTALS and total in numbers]
     if is_lifted(numbers, name)[index] or not totals:
         return ""
-    # what is compared: each end is the largest of theirs, as what leaks less along an axis may be known less
-    compared = {
-        f"{name}{suffix}": np.max([numbers[f"{result}{suffix}"] for result in results], axis=0)
-        for name, results in ((totals[0], totals), (AREA, [AREA]))
-        for suffix in ENDS
-        if f"{name}{suffix}" in numbers
-    }
+    # each end is the largest of theirs, as what leaks less along an axis may be known less
+    compared = {key: numbers[key] for suffix in ENDS if (key := f"{AREA}{suffix}") in numbers}
+    for suffix, values in zip(ENDS, compared_ends(numbers, name), strict=True):
+        compared[f"{totals[0]}{suffix}"] = values
     if not compared[totals[0]][index] > 0:
         return ""
     unit = unit_of(numbers, ALLOWED_VALUES[name].unit)

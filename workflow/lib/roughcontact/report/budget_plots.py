@@ -13,15 +13,11 @@ from roughcontact.report.charts import Axis, Chart, curves_chart, log_axis
 from roughcontact.report.glance import asked_columns
 from roughcontact.report.template import sentence
 from roughcontact.report.units import is_unbounded, largest_source, stated_loads, unit_of
-from roughcontact.uncertainty.combination import COMBINED
+from roughcontact.uncertainty.combination import COMBINED, SOURCES
 
 _SOURCE_LABELS = {
-    "solver": "solver",
     "discretisation": "grid",
-    "window": "window",
-    "instrument": "instrument",
     "material": "modulus and load",
-    "hardness": "hardness",
     "unresolved": "unresolved waves",
 }
 _BEYOND = {  # measurands beyond band and map, by the ending of their names
@@ -42,7 +38,7 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
         return None
     attempts = ["window"] if "window_reason" in numbers.attrs else []  # not known leaves the interval open
     present = {*present_sources(numbers), *attempts}
-    absent = ", ".join(label for source, label in _SOURCE_LABELS.items() if source not in present)
+    absent = ", ".join(_SOURCE_LABELS.get(source, source) for source in SOURCES if source not in present)
     open_ends = [TITLES[name] for name in COMPARED if is_unbounded(numbers, name)]
     notes = [numbers.attrs.get(key) for key in ("window_flag", "window_reason")]
     notes += [f"Not in the ±: {absent}." if absent else "", sentence("or_more", open_ends)]
@@ -54,13 +50,19 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
 
 
 def largest_parts(numbers: xr.Dataset) -> str:
-    """Return the sources with the largest part of the ± of the contact area, by loads where they differ."""
+    """Return the sources with the largest part of the ± of what is asked for, by loads where they differ."""
     loads: dict[str, list[str]] = {}
     for index, load in enumerate(stated_loads(numbers).texts):
-        if source := largest_source(numbers, AREA, index):
+        if source := largest_source(numbers, _first_asked(numbers), index):
             loads.setdefault(_SOURCE_LABELS.get(source, source), []).append(load)
     by_load = [f"{source} ({', '.join(at)})" for source, at in loads.items()]
-    return "; ".join(loads if len(loads) == 1 else by_load)
+    subject = f"for the {TITLES[_first_asked(numbers)]}: " if loads else ""
+    return subject + "; ".join(loads if len(loads) == 1 else by_load)
+
+
+def _first_asked(numbers: xr.Dataset) -> str:
+    """Return the number whose ± is told, the first with sources that is asked for."""
+    return next((name for name in asked_columns([numbers]) if name in COMPARED), AREA)
 
 
 def present_sources(numbers: xr.Dataset) -> list[str]:
@@ -93,11 +95,8 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
 
 
 def beyond_in_words(numbers: xr.Dataset) -> dict[str, str]:
-    """Return the contact area beyond band and map at each load, by what that is.
-
-    Of a body of finite size, whose area is no share of a map, it is the largest pressure.
-    """
-    name = next((name for name in asked_columns([numbers]) if name in COMPARED), AREA)
+    """Return what is asked for beyond band and map at each load, by what that is."""
+    name = _first_asked(numbers)
     lines = {}
     for key, words in _measurands_beyond(numbers).items():
         texts = map(" at ".join, zip(_ends(numbers, name, key), stated_loads(numbers).texts, strict=True))

@@ -35,7 +35,8 @@ WARM = 10.0  # K, by which the loss of a rubber shifts by half a decade of frequ
 _BEFORE = {"wear": "Before sliding", "sliding": "At rest", "unloading": "On loading"}
 
 Charts = dict[str, Chart]  # by their labels
-Part = tuple[list[str], Callable[[], Charts]]  # sentences, and what draws the charts
+Paragraph = tuple[str, str]  # its opening sentence, which the answer has, and what follows
+Part = tuple[list[Paragraph], Callable[[], Charts]]  # with what draws the charts
 
 
 def course_sections(name: str, loading: xr.Dataset, results: Path, folder: Path) -> dict[str, dict[str, Any]]:
@@ -52,14 +53,19 @@ def course_sections(name: str, loading: xr.Dataset, results: Path, folder: Path)
 
 
 def course_section(loading: xr.Dataset, path: Path, *, drawn: bool = False) -> tuple[str, dict[str, Any]]:
-    """Return the part of the page that a file is, its sentences, or why there is nothing, and its charts."""
+    """Return the part of the page that a file is, its `opening`, its sentences, and its charts.
+
+    Where there is nothing they say why.
+    """
     part, content = _COURSES[path.name]
     with opened_dataset(path) as over:
         if reason := over.attrs.get(FAILURE):
-            return part, {"sentences": [f"{part.capitalize()} is not known: {reason}."], "images": {}}
-        sentences, draw = content(loading, over)
+            text = f"{part.capitalize()} is not known: {reason}."
+            return part, {"opening": text, "sentences": [text], "images": {}}
+        paragraphs, draw = content(loading, over)
         images = {label: chart.source() for label, chart in draw().items()} if drawn else {}
-        return part, {"sentences": sentences, "images": images}
+        texts = [" ".join(paragraph) for paragraph in paragraphs]
+        return part, {"opening": paragraphs[0][0], "sentences": texts, "images": images}
 
 
 def answer_with_courses(
@@ -69,22 +75,21 @@ def answer_with_courses(
 
     Examples
     --------
-    >>> sections = {"wear": {"sentences": ["Run in after 3 m: so. Proven: that."]}}
+    >>> sections = {"wear": {"opening": "Run in after about 3 m."}}
     >>> [str(sentence) for sentence in answer_with_courses([Sentence("At 1 MPa: ...")], sections)]
-    ['Run in after 3 m: so.', 'Before sliding, at 1 MPa: ...']
-    >>> sections["unloading"] = {"sentences": ["After 5 MPa: so."]}
+    ['Run in after about 3 m.', 'Before sliding, at 1 MPa: ...']
+    >>> sections["unloading"] = {"opening": "After 5 MPa: so."}
     >>> [str(sentence) for sentence in answer_with_courses([Sentence("At 1 MPa: ...")], sections)]
-    ['After 5 MPa: so.', 'Run in after 3 m: so.', 'On loading, before sliding, at 1 MPa: ...']
+    ['After 5 MPa: so.', 'Run in after about 3 m.', 'On loading, before sliding, at 1 MPa: ...']
     """
     parts = [part for part in reversed(_BEFORE) if part in sections]
-    openings = [sections[part]["sentences"][0].removesuffix(".").partition(". ")[0] for part in parts]
     occasions = ", ".join(_BEFORE[part] for part in parts).capitalize()
     at_rest = [statement.continued(occasions) if parts else statement for statement in answer[:1]]
-    return [*(Sentence(f"{opening}.") for opening in openings), *at_rest, *answer[1:]]
+    return [*(Sentence(sections[part]["opening"]) for part in parts), *at_rest, *answer[1:]]
 
 
 def _unloading(loading: xr.Dataset, residual: xr.Dataset) -> Part:
-    """Return a sentence for each peak, and what draws both ways of the load."""
+    """Return a paragraph for each peak, and what draws both ways of the load."""
     suffix = "_as_solved"  # the way back has no correction for the grid either
     as_solved = {key.removesuffix(suffix): loading[key] for key in map(str, loading) if key.endswith(suffix)}
     loading = loading.assign(as_solved).sortby("mean_pressure")
@@ -100,25 +105,27 @@ def _unloading(loading: xr.Dataset, residual: xr.Dataset) -> Part:
     return [_lowered(loading, unloading) for unloading in unloadings], draw
 
 
-def _lowered(loading: xr.Dataset, unloading: xr.Dataset) -> str:
+def _lowered(loading: xr.Dataset, unloading: xr.Dataset) -> Paragraph:
     """Return what flow has lowered by how much, and the area of both ways at the lowest load, in words."""
     lightest = unloading.isel(load=int(np.argmin(unloading["mean_pressure"].values)))
     load = float(lightest["mean_pressure"])
     on_loading = np.interp(load, loading["mean_pressure"].values, loading[AREA].values, left=np.nan)
     areas = {"on loading": float(on_loading), "on unloading": lightest[AREA].item()}
-    return sentence("flow_has_lowered", _scalars(unloading), load, areas)
+    numbers = _scalars(unloading)
+    return sentence("unloaded", numbers, load, areas), sentence("flow_has_lowered", numbers)
 
 
 def _sliding(_: xr.Dataset, over: xr.Dataset) -> Part:
-    """Return the sentence of the friction, and what draws the charts."""
+    """Return the paragraph of the friction, and what draws the charts."""
     ways = _along(over, "direction")
     highest = [way.isel(speed=int(way[FRICTION].values.argmax())) for way in ways]
     index = int(np.argmax([way[FRICTION].item() for way in highest]))
     other_ways = [_scalars(way) for way in highest if way is not highest[index]]
     misfit = float(over.attrs["relaxation_misfit"])  # of the table from every linear material
-    speeds, warm = over["speed"].values.tolist(), _warm_from(ways[index])
-    text = sentence("slides", _scalars(highest[index]), other_ways, speeds, misfit, MAX_MISFIT, warm)
-    return [text], partial(_sliding_charts, over, ways, highest, index)
+    numbers, speeds = _scalars(highest[index]), over["speed"].values.tolist()
+    text = sentence("slides", numbers, other_ways, speeds)
+    further = sentence("hysteresis", numbers, misfit, MAX_MISFIT, _warm_from(ways[index]))
+    return [(text, further)], partial(_sliding_charts, over, ways, highest, index)
 
 
 def _sliding_charts(
@@ -166,9 +173,9 @@ def _octaves(highest: xr.Dataset) -> Chart:
 
 
 def _wear(_: xr.Dataset, over: xr.Dataset) -> Part:
-    """Return the sentence of a worn face, and what draws the charts."""
+    """Return the paragraph of a worn face, and what draws the charts."""
     unworn, last = (_scalars(over.isel(sliding_distance=index)) for index in (0, -1))
-    return [sentence("runs_in", last, unworn, CLOSED)], partial(_wear_charts, over)
+    return [(sentence("runs_in", last), sentence("worn", last, unworn, CLOSED))], partial(_wear_charts, over)
 
 
 def _wear_charts(over: xr.Dataset) -> Charts:

@@ -18,7 +18,7 @@ from roughcontact.statistics.load_pairs import paired_loads
 from roughcontact.uncertainty.differences import case_differences, case_pairs
 from roughcontact.uncertainty.group_tables import NamedGroup
 
-_IN_LINE = 3  # comparisons
+IN_LINE = 3  # comparisons, or groups
 _FINEST = 1e-3  # of a ratio: half-width of which two digits are shown
 
 Row = dict[str, Any]
@@ -100,7 +100,7 @@ def differences_in_words(differences: Sequence[Row]) -> str:
     'Contact area, B against A: differ (1.5 times as large, 1.2 to 1.8) at 1 MPa; inconclusive: few at 2 MPa.'
     """
     of_area = [row | part for row in differences for part in row["rows"] if part["quantity"] == TITLES[AREA]]
-    return sentence("differ", of_area, len(differences) > 1) if len(differences) <= _IN_LINE else ""
+    return sentence("differ", of_area, len(differences) > 1) if len(differences) <= IN_LINE else ""
 
 
 def _ratios(reference: str, label: str, result: xr.Dataset, at_loads: Sequence[Sequence[Load]]) -> Row:

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
+from roughcontact.arguments.choices import PERIODIC_BY
 from roughcontact.arguments.maps import side_lengths, spacing
 from roughcontact.arguments.measurement import Instrument, json_attribute
 from roughcontact.arguments.profiles.lines import are_lines
@@ -19,6 +20,7 @@ from roughcontact.report.tables import material_name
 from roughcontact.report.template import sentence
 from roughcontact.report.units import stated_loads, unit_of
 from roughcontact.statistics.adhesion import adhesion_in_words
+from roughcontact.statistics.contact_checks import may_yield
 from roughcontact.statistics.kinds import facts_of_numbers, load_in_words
 from roughcontact.surface.levelling.record import removed_and_filled
 from roughcontact.surface.roughness.profile_parameters import profile_parameters
@@ -26,9 +28,6 @@ from roughcontact.surface.roughness.texture import LAY
 from roughcontact.surface.window.band import shortest_reliable_wave
 
 _NEGLIGIBLE = 1e-4  # of the rms height: less than an atom on most maps
-# ways to make a window periodic, as a reader of the page knows them
-_PERIODIC_BY = dict.fromkeys(("smooth-cross-fade", "cross-fade"), "blending opposite edges")
-_PERIODIC_BY |= dict.fromkeys(("raw", "none"), "")  # the caption of the window says so
 # names of the parameters of profiles and maps without their first letter, by the way they are written
 _PARAMETERS = (("a", "q", "z"), ("sk", "ku", "dq"), ("k", "pk", "vk"), ("sm",))
 
@@ -59,7 +58,7 @@ def surface_facts(
         "Corrected for": str(of_window.get("corrected_for", "")),
         **_parameters(levelled_map, length),
         "Window": _size(window),
-        "Made periodic by": _PERIODIC_BY.get(method, method),
+        "Made periodic by": PERIODIC_BY.get(method, ""),
         "Sal, Str, lay": sentence("texture", values_at_load(numbers, -1), LAY),
         "Points per shortest wave": number(float(numbers["points_per_shortest_wavelength"][0]), digits=2),
         **number_facts(numbers),
@@ -69,7 +68,6 @@ def surface_facts(
 
 def number_facts(numbers: xr.Dataset) -> dict[str, str]:
     """Return the facts that follow from the statistics of a surface, loads rising, as of `surface_facts`."""
-    closing, is_solved = _closing(numbers), "flow_factor_xx" in numbers
     return {
         "rms height": unit_of(numbers, "m").text(float(numbers["rms_height"])),
         "rms gradient g": number(float(numbers["rms_gradient"])),
@@ -77,8 +75,7 @@ def number_facts(numbers: xr.Dataset) -> dict[str, str]:
         "Hardness": quantity(float(numbers["hardness"]), "Pa") if "hardness" in numbers else "",
         "First yield at the surface": _first_yield(numbers, "first_yield_pressure"),
         "First yield below the surface": _first_yield(numbers, "first_subsurface_yield_pressure"),
-        "Gap closes": closing,
-        "Flow through the gap": "not solved, as no seal is stated" if closing and not is_solved else "",
+        "Gap closes": _closing(numbers),
         "Adhesion": adhesion_in_words(numbers),
         "Stick and slip": numbers.attrs.get("slip_approximation", ""),
         "Flash temperature": sentence("flashes", numbers.attrs, "max_flash_temperature" in numbers),
@@ -160,7 +157,7 @@ def waves_in_words(window: xr.DataArray) -> str:
 
 def _first_yield(numbers: xr.Dataset, name: str) -> str:
     """Return the load, by its variable, at which a body begins to yield, where it was computed."""
-    if name not in numbers:
+    if name not in numbers or (name == "first_yield_pressure" and not may_yield(numbers)):
         return ""
     load = float(numbers[name])
     kind, load_text = load_in_words(load, numbers)
@@ -204,6 +201,6 @@ def _parameters(levelled_map: xr.DataArray, length: Callable[[float], str]) -> d
     along: Callable[[float], str] = partial(quantity, unit="m")
     for row in _PARAMETERS if are_lines(levelled_map) else _PARAMETERS[:3]:
         show = along if row[0] == "sm" else number if row[0] == "sk" else length
-        names = [letter + name for name in row if letter + name in parameters]
+        names = [letter + name for name in row if np.isfinite(parameters.get(letter + name, np.nan))]
         facts[", ".join(names)] = ", ".join(show(parameters[name]) for name in names)
     return facts

@@ -14,7 +14,6 @@ _STYLE: dict[Any, Any] = {
     "axes.titlesize": 10,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "legend.frameon": True,
     "legend.framealpha": 0.75,
     "legend.edgecolor": "none",
     "legend.fontsize": 8,

@@ -1,7 +1,7 @@
 """The table at a glance: the main answers for each surface at two or three loads, with their intervals."""
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ from roughcontact.arguments.answers import (
     PRESSURE,
     QUANTITIES,
     TITLES,
+    TOTALS,
     UNITS,
     USUAL,
 )
@@ -38,13 +39,13 @@ from roughcontact.report.units import (
     unit_of,
 )
 from roughcontact.statistics import decisions
-from roughcontact.statistics.contact_checks import rubber_like, yield_flags
+from roughcontact.statistics.contact_checks import rubber_like, yielding
 from roughcontact.statistics.kinds import facts_of_numbers, reason_without_flow
 from roughcontact.statistics.load_pairs import same_load
 from roughcontact.statistics.outcome import FAILED, VERDICTS, Check
 from roughcontact.statistics.precision import is_known, precision_in_words
 
-AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
+AREAS = (0.01, 0.1)  # the loads with contact areas nearest to these are shown, and the heaviest
 NOT_JUDGED = "not judged"
 LOAD = "mean_pressure"  # name of the first column
 HEADINGS = {LOAD: TITLES[LOAD]} | {name: answer.heading for name, answer in ANSWERS.items()}
@@ -53,19 +54,19 @@ IN_WORDS = [answer.heading for answer in ANSWERS.values() if not answer.quantity
 
 CLOSED_IN_WORDS = "closed (< 1 nm)"
 _NO_INTERVAL = "no ±"
-_EXACT = "taken as exact"  # ends a remark that holds at all loads of a surface
-_OF_JOINT = "of the joint"  # ends its resistance, which stands in the line of the answer
 _DECIDED, _NOT_DECIDED = "decided", "not decided"  # of a yes or no
+_CURRENT, _JOINT = (CONDUCTANCE, "electrical_resistivity"), ("joint_conductance", "thermal_conductivity")
 # a number in proportion to a property of the bodies -> the one whose sources its ± has, and that property
 _FACTORS = {
     "friction_coefficient": (AREA, "shear_strength"),
     "thermal_conductance": (CONDUCTANCE, "thermal_conductivity"),
-    "electrical_conductance": (CONDUCTANCE, "electrical_resistivity"),
-    "joint_conductance": ("joint_conductance", "thermal_conductivity"),
+    "electrical_conductance": _CURRENT,
+    **dict.fromkeys(("electrical_resistance", "total_electrical_resistance"), _CURRENT),
+    **dict.fromkeys(("joint_conductance", "joint_resistance", "temperature_drop"), _JOINT),
 }
 # the conductances of a joint, of which the first that is known is shown, in words
 _CONDUCTANCES = {
-    "joint_conductance": "heat, with film and gas",
+    "joint_conductance": "heat through the joint",
     "thermal_conductance": "heat",
     "electrical_conductance": "current",
     CONDUCTANCE: "by conductivity",
@@ -73,19 +74,38 @@ _CONDUCTANCES = {
 _COMMON_UNIT_RATIO = 100.0  # ratio of rms heights up to which one unit does for all
 
 
+class Remark(NamedTuple):
+    """What a number rests on: a property that counts as exact, or makes most of its ±."""
+
+    subject: str
+    is_exact: bool = True
+
+    def __str__(self) -> str:
+        of_exact = f"uncertainty of the {self.subject} not included"
+        return of_exact if self.is_exact else f"uncertainty mainly from the {self.subject}"
+
+
 class Cell(NamedTuple):
     """One cell of the table: the answer, details, its verdict unless that is *use*, how well it is known."""
 
     text: str
-    details: str = ""
+    details: str = ""  # the interval, or the number behind a yes or no
     outcome: str = ""
     precision: str = ""
-    remark: str = ""  # what that is by, or takes for granted
+    remarks: tuple[Remark, ...] = ()
+    further: tuple[str, ...] = ()  # details that only the table has
+    totals: tuple[str, ...] = ()  # of the whole joint
+    allowed: tuple[str, ...] = ()  # whether what is allowed holds
+
+    @property
+    def all_details(self) -> str:
+        """All details in one text."""
+        return "; ".join(filter(None, (self.details, *self.further, *self.totals, *self.allowed)))
 
     @property
     def known(self) -> str:
-        """How well the answer is known, with the remark."""
-        return ", ".join(filter(None, (self.precision, self.remark)))
+        """How well the answer is known, with the remarks."""
+        return ", ".join(filter(None, (self.precision, *map(str, self.remarks))))
 
 
 def shown_loads(areas: np.ndarray) -> list[int]:
@@ -94,18 +114,16 @@ def shown_loads(areas: np.ndarray) -> list[int]:
     Examples
     --------
     >>> shown_loads(np.array([0.002, 0.011, 0.04, 0.08, 0.2, 0.7]))
-    [1, 3, 4]
+    [1, 3, 5]
     >>> shown_loads(np.array([1e-5, 1e-4, 1e-3, 2e-3]))
     [0, 3]
     """
     if areas.size <= 3:
         return list(range(areas.size))
     # those with the areas nearest to `AREAS`, by ratio
-    logarithm = np.log(np.maximum(areas, 1e-300))
-    result = {int(np.abs(logarithm - np.log(area)).argmin()) for area in AREAS}
-    if len(result) == 1:
-        result |= {0, areas.size - 1}
-    return sorted(result)
+    logarithm, last = np.log(np.maximum(areas, 1e-300)), areas.size - 1
+    result = {int(np.abs(logarithm - np.log(area)).argmin()) for area in AREAS} | {last}
+    return sorted(result if len(result) > 1 else {0, last})
 
 
 def usable_loads(numbers: xr.Dataset) -> list[int]:
@@ -169,7 +187,15 @@ def asked_columns(results: Sequence[xr.Dataset]) -> list[str]:
 
 def headings_of(columns: Sequence[str], results: Sequence[xr.Dataset]) -> list[str]:
     """Return the headings of the load, as it is stated for some surfaces, and of these columns."""
-    return [load_heading(results), *(HEADINGS[name] for name in columns)]
+    return [load_heading(results), *(_heading(name, results) for name in columns)]
+
+
+def _heading(name: str, results: Sequence[xr.Dataset]) -> str:
+    """Return the heading of a column: of a conductance the number of which all allow something."""
+    words = {
+        TITLES[limited[0]] if (limited := _limited(numbers, name)) else HEADINGS[name] for numbers in results
+    }
+    return words.pop() if len(words) == 1 else HEADINGS[name]
 
 
 def verdict_on_asked(numbers: xr.Dataset, indices: Sequence[int], verdict: str) -> str:
@@ -228,19 +254,6 @@ def slip_in_words(numbers: xr.Dataset, index: int) -> str:
     return sentence("sticks", list(zip(loads, shares, strict=True)))
 
 
-def exact_remarks(cells: Sequence[Cell]) -> list[Sentence]:
-    """Return the sentence of what the cells of a load take as exact, none for nothing.
-
-    Examples
-    --------
-    >>> str(*exact_remarks([Cell("20 %", remark="hardness taken as exact"), Cell("4 µm")]))
-    'Hardness taken as exact.'
-    """
-    parts = [part for cell in cells for part in cell.remark.split(", ") if part.endswith(_EXACT)]
-    text = "; ".join(dict.fromkeys(parts))
-    return [Sentence(f"{text[0].upper()}{text[1:]}.")] if text else []
-
-
 def answer_line(numbers: xr.Dataset, index: int, cells: Mapping[str, Cell], *, alone: bool = False) -> str:
     """Return the `answer_sentences` of a surface at a load in one line."""
     return " ".join(map(str, answer_sentences(numbers, index, cells, alone=alone)))
@@ -256,21 +269,21 @@ def answer_sentences(
     words, cells_asked = [], {name: cells[name] for name in asked_columns([numbers])}
     names_allowed = stated_allowed(numbers)
     allowed = [allowed_in_words(numbers, name, index) for name in names_allowed]
-    brief = {str(allowed_in_words(numbers, name, index, brief=True)) for name in names_allowed}
-    remarks = Counter(cell.remark for cell in cells_asked.values())
-    repeated = [remark for remark, count in remarks.items() if remark and count > 1]
+    remarks = Counter(remark for cell in cells_asked.values() for remark in cell.remarks)
+    repeated = [remark for remark, count in remarks.items() if count > 1]
     for name, cell in cells_asked.items():
+        if not alone and {*_limited(numbers, name)} & {*TOTALS}:
+            continue  # the first sentence has it
         subject = ANSWERS[name].words if name in ANSWERS else HEADINGS[name]
+        subject = _heading(name, [numbers]) if _limited(numbers, name) else subject
         if HEADINGS[name] in IN_WORDS and cell.text != NOT_JUDGED:
             subject = ""
-        known = [cell.precision if cell.remark in repeated else cell.known]
-        details = [part for part in cell.details.split("; ") if part not in brief]
+        known = [cell.precision, *(str(remark) for remark in cell.remarks if remark not in repeated)]
         if alone:
             verdict = "" if cell.outcome == cells[LOAD].outcome else VERDICTS.get(cell.outcome, "")
-            known = [*details, *known, verdict]
-        else:  # the interval alone; beside a yes or no the number behind it
-            totals = [part for part in details[1:] if part.endswith(_OF_JOINT) and not allowed]
-            known = [*(part.split(", ")[0] if subject else part for part in details[:1]), *known, *totals]
+            known = [cell.details, *cell.further, *cell.totals, *known, verdict]
+        else:
+            known = [cell.details, *known, *([] if allowed else cell.totals)]
         precision = ", ".join(filter(None, known))
         text = f"{subject} {cell.text}".lstrip()
         if precision and cell.text == CLOSED_IN_WORDS:  # in the parentheses that it has
@@ -278,10 +291,12 @@ def answer_sentences(
         elif precision:
             text = f"{text} ({precision})"
         words.append(text)
-    line = Sentence("; ".join([f"At {cells[LOAD].text}: {', '.join(words)}", *repeated]), detail=".")
+    line = Sentence(
+        "; ".join([f"At {cells[LOAD].text}: {', '.join(words)}", *map(str, repeated)]), detail="."
+    )
     capital = [Sentence(f"{text[0].upper()}{text[1:]}", word, f"{rest}.") for text, word, rest in allowed]
     slip = slip_in_words(numbers, index)
-    return [*capital, line, *([Sentence(slip)] if slip else [])]
+    return [*capital, *([line] if words else []), *([Sentence(slip)] if slip else [])]
 
 
 def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
@@ -322,9 +337,8 @@ def _cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) ->
     if cell.text == NOT_JUDGED:
         return cell
     names = stated_allowed(numbers, name)
-    allowed = (str(allowed_in_words(numbers, key, index, brief=True)) for key in names)
-    details = "; ".join(filter(None, [cell.details, *allowed]))
-    return cell._replace(details=details, outcome=outcome_of(numbers, index, "" if name == LOAD else name))
+    allowed = tuple(str(allowed_in_words(numbers, key, index, brief=True)) for key in names)
+    return cell._replace(allowed=allowed, outcome=outcome_of(numbers, index, "" if name == LOAD else name))
 
 
 def _load_cell(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
@@ -357,25 +371,25 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     shown = f"{text} {unit.symbol}".rstrip()
     is_hardness = name == PEAK and bool(hardness_reached(numbers)[index])
     if is_hardness and not has_range:
-        return Cell(shown, "the hardness, taken as exact")
+        return Cell(shown, "the hardness as stated")
     if lacks_interval(numbers, name):
         return Cell(shown, _NO_INTERVAL)
     limited = name in QUANTITIES and QUANTITIES[name].limits is not None and PEAK in numbers
     share = numbers.get("load_share_above_hardness")  # of a group of maps it is not known
     flows = limited and bool((hardness_reached(numbers) if share is None else np.greater(share, 0))[index])
     value, lower, upper = interval_at(numbers, name, index)
-    remarks = ["hardness taken as exact"] if flows and not has_range else []
-    if cause := "hardness" if is_hardness else _largest_cause(numbers, name, index):
-        remarks.append(f"most of it by the {cause}")
+    remarks = [Remark("hardness")] if flows and not has_range else []
+    if cause := _largest_cause(numbers, name, index):
+        remarks.append(Remark(cause, is_exact=False))
     _, factor_name = _FACTORS.get(name, ("", ""))
     if factor_name and f"{factor_name}_lower" not in numbers:
-        remarks.append(f"{_in_words(factor_name)} {_EXACT}")
+        remarks.append(Remark(_in_words(factor_name)))
     precision = precision_in_words(value, lower, upper)
-    remark = ", ".join(remarks) if is_known(value, lower, upper) else ""
+    remarks = remarks if is_known(value, lower, upper) else []
     if name == GAP and min(value, upper) < decisions.CLOSED:  # a NaN end is no smaller
         open_elsewhere = f"up to {unit.text(upper)}" if upper >= decisions.CLOSED else ""
         return Cell(CLOSED_IN_WORDS, open_elsewhere, precision="" if open_elsewhere else _DECIDED)
-    return Cell(shown, interval.strip("()"), precision=precision, remark=remark)
+    return Cell(shown, interval.strip("()"), precision=precision, remarks=tuple(remarks))
 
 
 def _in_words(name: str) -> str:
@@ -436,7 +450,9 @@ def _seals(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
                 result = {"x and y": result["x"]}
             details.append(f"{words} {', '.join(f'{text} ({axis})' for axis, text in result.items())}")
     answer = {"": "seals", "x": "seals along y, leaks along x", "y": "seals along x, leaks along y"}
-    return Cell(answer.get("".join(leaking), "leaks"), "; ".join(details), precision=precision)
+    first, *further = details or [""]
+    text = answer.get("".join(leaking), "leaks")
+    return Cell(text, first, precision=precision, further=tuple(further))
 
 
 def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], index: int) -> str:
@@ -459,16 +475,19 @@ def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
         has_interval = has_number(numbers, f"{PEAK}_lower") or has_number(numbers, f"{PEAK}_upper")
         precision = "" if not has_interval else _NOT_DECIDED if np.isnan(decision) else _DECIDED
         where_reached = "just" if PEAK in numbers and hardness_reached(numbers)[index] else "nowhere"
-        details = f"{percent(share)} of the load flows" if share > 0 else f"hardness {where_reached} reached"
+        details = (
+            f"yielded asperities carry {percent(share)} of the load"
+            if share > 0
+            else f"hardness {where_reached} reached"
+        )
         return Cell("yes" if share > 0 or decision == 1 else "no", details, precision=precision)
     if not np.isnan(below):
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
     if rubber_like(numbers):
         return Cell(NOT_JUDGED, "rubber-like")
     pressures = {name: numbers[name][index] for name in (PRESSURE, PEAK)}
-    flags = yield_flags(pressures | {"contact_modulus": numbers["contact_modulus"]})
-    would = {"metals flow": "; metals would", "beyond hardness": "; any material would"}
-    return Cell(NOT_JUDGED, "no hardness stated" + would.get(" ".join(flags), ""))
+    would = yielding(pressures | {"contact_modulus": numbers["contact_modulus"]})
+    return Cell(NOT_JUDGED, "; ".join(filter(None, ("no hardness stated", would))))
 
 
 def conductances(numbers: Numbers) -> list[str]:
@@ -479,26 +498,31 @@ def conductances(numbers: Numbers) -> list[str]:
 def _conducts(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
     """Return the conductance of the joint, of heat or of current, or that by conductivity, and resistances.
 
-    That of current is there unless a film, a gas or a flow of heat says that heat alone is asked for.
+    That of current is there unless a film, a gas or a flow of heat says that heat alone is asked for. Where
+    something is allowed of a resistance, or of the drop of temperature, it is that number alone.
     """
+    if limited := _limited(numbers, "conductance"):
+        return interval_cell(numbers, limited[0], units, index)
     if not (name := next(iter(conductances(numbers)), "")):
         return Cell(NOT_JUDGED)
     main = interval_cell(numbers, name, units, index)
-    details = [", ".join(filter(None, (main.details, _CONDUCTANCES[name])))]
     of_heat = name == "joint_conductance" or "temperature_drop" in numbers
-    names = [name] if of_heat else [name, "electrical_conductance"]
-    resistances = list(dict.fromkeys(of_kind.replace("conductance", "resistance") for of_kind in names))
-    for resistance in resistances:
-        if resistance in numbers:
-            cell = interval_cell(numbers, resistance, units, index)
-            has_interval = main.details != _NO_INTERVAL
-            details.append(_unbroken(numbers, resistance, units, index) if has_interval else cell.text)
-    allowed = [ALLOWED_VALUES[key].numbers for key in stated_allowed(numbers, "conductance")]
-    for resistance in resistances:
-        total = f"total_{'electrical' if resistance.startswith('electrical') else 'thermal'}_resistance"
-        if "joint_area" in numbers and total in numbers and (total,) not in allowed:
-            details.append(f"{_unbroken(numbers, total, units, index)} {_OF_JOINT}")
-    return main._replace(details="; ".join(details))
+    names = dict.fromkeys((name, name if of_heat else "electrical_conductance"))
+    kinds = ("electrical" if key.startswith("electrical") else "thermal" for key in names)
+
+    def known(keys: Iterable[str], ending: str = "") -> tuple[str, ...]:
+        return tuple(_unbroken(numbers, key, units, index) + ending for key in keys if key in numbers)
+
+    further = known(key.replace("conductance", "resistance") for key in names)
+    totals = (f"total_{kind}_resistance" for kind in kinds if "joint_area" in numbers)
+    details = ", ".join(filter(None, (main.details, _CONDUCTANCES[name])))
+    return main._replace(details=details, further=further, totals=known(totals, " of the joint"))
+
+
+def _limited(numbers: Numbers, answer: str) -> list[str]:
+    """Return the numbers of a conductance of which something is allowed, first the one that is shown."""
+    names = stated_allowed(numbers, answer) if answer == "conductance" else []
+    return [ALLOWED_VALUES[name].numbers[0] for name in names]
 
 
 # of the answers that are more than a number with its interval

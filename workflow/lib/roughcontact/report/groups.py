@@ -12,7 +12,7 @@ from roughcontact.arguments.quantities import Unit, percent
 from roughcontact.arguments.variables import has_number
 from roughcontact.report import allowed, glance
 from roughcontact.report.charts import series_style
-from roughcontact.report.differences import Load, Row, differences_in_words, nearest_load
+from roughcontact.report.differences import IN_LINE, Load, Row, differences_in_words, nearest_load
 from roughcontact.report.glance import Cell
 from roughcontact.report.load_plots import compare_areas
 from roughcontact.report.template import sentence
@@ -24,7 +24,6 @@ from roughcontact.uncertainty.scales import from_scale, to_scale
 
 _HEADINGS = {name: TITLES[name] for name in (glance.LOAD, AREA)}
 _HEADINGS |= {"next": "area of the next map", "scatter": "scatter s"}
-_IN_LINE = 3  # groups
 
 Key = tuple[str, str | None]  # surface and case
 
@@ -160,7 +159,7 @@ def groups_in_words(groups: Sequence[NamedGroup], maps: Mapping[Key, xr.Dataset]
     `maps` has the statistics of each map by its name and case, loads rising.
     """
     sentences = []
-    for group, loads_shown in zip(groups, _shown(groups), strict=True) if len(groups) <= _IN_LINE else ():
+    for group, loads_shown in zip(groups, _shown(groups), strict=True) if len(groups) <= IN_LINE else ():
         answer, index = group.answer, loads_shown[-1]
         (load, area, *_) = group_cells(answer, glance.glance_units([answer])[0], index)
         known = ", ".join(filter(None, (area.details, area.known)))
@@ -208,7 +207,7 @@ def _by_word(words: Mapping[str, str], order: Sequence[str] = ()) -> str:
     ('leaks for a and c, seals for b', 'leaks for all 2')
     """
     by_word = {word: [name for name in words if words[name] == word] for word in [*order, *words.values()]}
-    return sentence("by_word", by_word, len(words), _IN_LINE)
+    return sentence("by_word", by_word, len(words), IN_LINE)
 
 
 def surfaces_in_words(results: Mapping[str, Load]) -> str:

@@ -13,6 +13,7 @@ from roughcontact.statistics import theory
 from roughcontact.statistics.theory import AREAS
 from roughcontact.surface.roughness.summits import summit_statistics
 
+_MAX_FLOW = 0.1  # of the load, up to which elastic theories are drawn beside a contact that yields
 _SHOWN_BELOW = 0.1  # of the least area: an interval that ends below is drawn as far as the axis reaches
 
 
@@ -26,11 +27,12 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     unit = float(statistics["contact_modulus"] * statistics["rms_gradient"])
     pascals, (_, load, label, _) = unit_of(statistics, "Pa"), stated_loads(statistics)
     relative = statistics["relative_pressure"].values
+    elastic = relative[statistics.get("load_share_above_hardness", 0 * relative) < _MAX_FLOW]
     estimate, *bounds = interval_values(statistics, AREA)
     areas = np.concatenate([estimate, _clipped_ends(bounds[0], estimate), theory.persson_area(relative)])
     chart = _area_chart(load, areas, label=label)
     if has_theories(statistics):
-        line = np.geomspace(relative.min() / 1.5, relative.max() * 1.5, 100)
+        line = np.geomspace(elastic.min() / 1.5, elastic.max() * 1.5, 100)
         x = line * unit * pascals.factor
         chart.line(x, 100 * theory.persson_area(line), dash=DASHED, label="Persson", **FOR_COMPARISON)
         chart.line(x, 100 * theory.xu_area(line), label="Xu et al.", **FOR_COMPARISON)
@@ -50,8 +52,9 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
 
 
 def has_theories(statistics: xr.Dataset) -> bool:
-    """Return whether the theories, which are of half-spaces, are of these bodies."""
-    return bool(np.isfinite(np.asarray(statistics.get(AREAS[0], 1.0))).any())
+    """Return whether the theories, which are of elastic half-spaces, are of these bodies."""
+    is_elastic = statistics.get("load_share_above_hardness", xr.DataArray(0.0)) < _MAX_FLOW
+    return bool(np.isfinite(np.asarray(statistics.get(AREAS[0], 1.0))).any() and is_elastic.any())
 
 
 def compare_areas(results: Mapping[str, xr.Dataset], styles: Mapping[str, dict[str, Any]]) -> str:
@@ -91,7 +94,7 @@ def bars_in_words(numbers: xr.Dataset, *names: str) -> str:
 def _area_chart(loads: np.ndarray, areas: np.ndarray, *, label: str, **options: Any) -> Chart:
     """Return the log-log axes of area (percent) against load that hold these shares; `options` of `Chart`."""
     lowest = max(np.min(areas[areas > 0], initial=1.0) / 2, 1e-8)  # down to half of the smallest area
-    y = Axis("contact area (%)", 100 * lowest, 140.0, log=True)
+    y = Axis("contact area (%)", 100 * lowest, 100.0, log=True)
     return Chart(log_axis(label, loads), y, **options)
 
 

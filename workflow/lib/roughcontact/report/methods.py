@@ -6,6 +6,7 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, ENDS, GAP, PRESSURE, UNITS
+from roughcontact.arguments.choices import PERIODIC_BY
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import Unit, prefix, quantity
@@ -13,8 +14,7 @@ from roughcontact.arguments.stacks import properties_of_bodies
 from roughcontact.report.asked import bodies_in_words
 from roughcontact.report.budget_plots import largest_parts
 from roughcontact.report.template import paragraph, template
-from roughcontact.report.units import interval_at, quantity_text, unit_of
-from roughcontact.statistics.decisions import CLOSED
+from roughcontact.report.units import quantity_text, unit_of
 from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.uncertainty.subwindows import MEASURAND_IN_WORDS
 
@@ -44,6 +44,7 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
         sha256=[f"{text[:8]}…" for text in str(attrs.get("source_sha256", "")).split(" + ") if text],
         sides=[length for length in lengths if math.isfinite(length)],
         periodisation=attrs.get("periodisation", settings["window"]["method"]),
+        periodic_by=PERIODIC_BY,
         **{name: float(statistics[name]) for name in ("rms_height", "rms_gradient", "contact_modulus")},
         bodies=bodies_in_words(settings["contact"]),
         layered=bool(properties_of_bodies(settings["contact"]["bodies"])),
@@ -63,7 +64,7 @@ def methods_paragraph(statistics: xr.Dataset) -> str:
 def _range_of_hardness(statistics: xr.Dataset) -> str:
     """Return what the intervals hold of the hardness."""
     if "hardness_lower" not in statistics:
-        return "taken as exact"
+        return "without its uncertainty"
     hardness, *bounds = (float(statistics[f"hardness{suffix}"]) for suffix in ENDS)
     unit = Unit(*prefix(hardness, "Pa"))  # of loads on rubber it would be thousands of them
     return f"in the intervals {unit.ends(*bounds)}"
@@ -81,10 +82,6 @@ def _answers(statistics: xr.Dataset, index: int) -> dict[str, str]:
         name: quantity_text(statistics, name, unit_of(statistics, UNITS[name]), index)
         for name in ("mean_pressure", AREA, PRESSURE, GAP)
     }
-    if float(statistics[GAP][index]) < CLOSED:  # some atoms, of which the contact of solids knows nothing
-        upper = interval_at(statistics, GAP, index)[2]
-        at_most = f" (at most {quantity(upper, 'm')})" if upper >= CLOSED else ""
-        answers[GAP] = f"less than {quantity(CLOSED, 'm')}{at_most}"
     if "force" in statistics:
         answers["force"] = quantity(float(statistics["force"][index]), "N")
     return answers

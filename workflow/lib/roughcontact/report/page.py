@@ -24,7 +24,7 @@ from roughcontact.report.summary import from_page, read_summary
 from roughcontact.report.template import template
 from roughcontact.results.collect import Entry, Failure, file_of, solved_results
 from roughcontact.results.storage import write_text
-from roughcontact.statistics.decisions import OPEN_BELOW, OPEN_PARTS
+from roughcontact.statistics.decisions import OPEN_BELOW
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 
@@ -74,11 +74,10 @@ def write_report(
         of_panel = read_summary(panel)
         loads = loads_at_glance.get(key, of_panel["loads"])
         numbers, cells = series[key], glance.glance_rows(series[key], units[key], loads)
+        asked_cells = [cells[-1][name] for name in asked]
         alone = len(cells) == len(finished) == 1  # then no table of loads repeats it
-        if alone or len(cells) > 1:
-            answer = glance.answer_sentences(numbers, loads[-1], cells[-1], alone=alone)
-        else:  # the row is the answer
-            answer = glance.exact_remarks([cells[0][name] for name in asked])
+        is_row = len(cells) == 1 and not alone  # which is the answer
+        answer = [] if is_row else glance.answer_sentences(numbers, loads[-1], cells[-1], alone=alone)
         courses = course_sections(of_panel["name"], numbers, panel.parent, folder)
         sentences = answer_with_courses(answer, courses)
         row: Row = {
@@ -88,6 +87,7 @@ def write_report(
             "courses": courses,
             "sentences": sentences,
             "answer": " ".join(map(str, sentences)),
+            "said": {remark for cell in asked_cells for remark in cell.remarks if not is_row},
             "glance": [[at_load[name] for name in (glance.LOAD, *asked)] for at_load in cells],
             "further": [[at_load[name] for name in (glance.LOAD, *further)] for at_load in cells],
             "complete": len(cells) == numbers.sizes["load"],
@@ -149,7 +149,6 @@ def write_report(
         compared=differences,
         measured=measured_in_words({row["surface"]: row["measured"] for row in rows}),
         open_below=OPEN_BELOW,
-        open_parts=OPEN_PARTS,
         settings=json.dumps(settings, indent=1, sort_keys=True),
     )
     write_text(html, path)

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,6 @@ from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.quantities import percent
 from roughcontact.report import facts, glance, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
-from roughcontact.report.colours import POINTS
 from roughcontact.report.courses import answer_with_courses, course_section
 from roughcontact.report.groups import name_under
 from roughcontact.report.methods import methods_paragraph
@@ -30,7 +29,7 @@ _TITLES = {  # of the maps by the number of measured faces
     1: ("As measured", "Levelled"),
     2: ("Face, as measured", "Counter-face, as measured", "Sum of both, levelled"),
 }
-_LINE = 180  # letters of a reason; a line of a wide page has some 185
+_LINE = 200  # letters of a reason; a line of a wide page has some 185
 
 
 def write_panel(
@@ -75,7 +74,7 @@ def write_panel(
         "verdict": verdict,
         "reasons": [outcome.reason_text(check) for check in doubts],
         "doubts": [str(check.name) for check in doubts],
-        "main_reason": outcome.reason_text(reason, letters=_LINE) if reason else "",
+        "main_reason": outcome.brief_reason(reason, _LINE) if reason else "",
         **{name: str(numbers.attrs.get(name, "")) for name in ("halve", "halved", "places", "overview")},
         "loads": indices,
         "measured": facts.date_text(measured_map),
@@ -179,8 +178,7 @@ def _fields(
         if "pressure" not in contact or "gap" not in contact:
             return []
 
-        # maps of which every point is drawn are read once, finer ones twice: a load at a time is in memory
-        @lru_cache(len(loads) if window.size <= POINTS else 0)
+        # read twice, so that the maps of one load at a time are in memory
         def maps(load: int) -> map_plots.Fields:
             result = contact[["pressure", "gap"]].isel(load=load)
             return result["pressure"].values, result["gap"].values

@@ -47,11 +47,11 @@ def read_summary(panel: str | Path) -> Summary:
     try:
         is_small = path.is_file() and path.stat().st_size < _MAX_BYTES
         result = json.loads(path.read_text(encoding="utf-8") if is_small else "")
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputFileError(f"{path}: no summary of a panel; delete {panel} and run again") from error
+    except (OSError, ValueError, RecursionError):
+        result = None
     kinds = {key: get_origin(kind) or kind for key, kind in Summary.__annotations__.items()}
     if not isinstance(result, dict) or {key: type(value) for key, value in result.items()} != kinds:
-        raise InputFileError(f"{path}: no summary of a panel; delete it and run again")
+        raise InputFileError(f"{path}: no summary of a panel; delete {panel} and run again")
     return cast(Summary, result)
 
 

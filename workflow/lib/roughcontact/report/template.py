@@ -101,7 +101,7 @@ def _shown(value: Any) -> Any:
 def _raised(text: str) -> Markup:
     """Return a text as markup: exponents as in q^−3 are raised, keys of settings in brackets are small."""
     markup = re.sub(r"\^(−?[\d.]*\d)", r"<sup>\1</sup>", str(escape(turns_escaped(text))))
-    return Markup(re.sub(rf"\((?:{_KEY}(?:, | or )?)+\)", r'<span class="key">\g<0></span>', markup))
+    return Markup(re.sub(rf" ?\((?:{_KEY}(?:, | or )?)+\)", r'<span class="key">\g<0></span>', markup))
 
 
 def _digests(markup: str) -> Markup:

@@ -39,16 +39,11 @@ def spectrum(window: xr.DataArray) -> str:
     power = power * (_HEIGHT.factor**2 * unit_q**-axes)
     inside = power > 1e-20 * power.max()  # below lies the rounding of waves that were removed
     visible = power[inside]
-    wavenumbers = q[0] * unit_q, np.pi / _step(window) * unit_q
+    wavenumbers = q[0] * unit_q, np.pi / min(spacing(window)) * unit_q
     chart = _spectrum_chart(wavenumbers, length, (visible.min() / 30, visible.max() * 5), axes=axes)
     _mark_band(chart, window, q[0] * unit_q, unit_q)
     chart.line(q[inside] * unit_q, visible, colour=COLOURS[0])
     return chart.source()
-
-
-def _step(window: xr.DataArray) -> float:
-    """Return the smaller distance between points (m)."""
-    return min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
 
 
 def fitted_spectrum(window: xr.DataArray) -> str:
@@ -81,7 +76,7 @@ def _mark_band(chart: Chart, window: xr.DataArray, longest_wave: float, unit_q: 
     """
     longest, shortest = (2 * np.pi / window.attrs[f"band_{end}"] * unit_q for end in ("longest", "shortest"))
     outside = [(chart.x.low, longest)] if longest > longest_wave * 1.01 else []
-    if window.attrs["band_shortest"] > 2 * _step(window) * 1.01:
+    if window.attrs["band_shortest"] > 2 * min(spacing(window)) * 1.01:
         outside.append((shortest, chart.x.high))
     for index, span in enumerate(outside):
         chart.band(*span, label="" if index else "removed")

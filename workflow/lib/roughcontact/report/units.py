@@ -11,11 +11,11 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, GAP, PEAK
-from roughcontact.arguments.quantities import Unit, height_unit, number, prefix, pressure_unit, quantity
+from roughcontact.arguments.quantities import Unit, height_unit, number, prefix, quantity
 from roughcontact.arguments.units import printed
 from roughcontact.arguments.variables import Numbers, has_number
 from roughcontact.statistics.decisions import CLOSED
-from roughcontact.statistics.kinds import facts_of_numbers
+from roughcontact.statistics.kinds import facts_of_numbers, unit_of_pressures
 
 # units that are the same on every page; a leak is by length of the seal
 _FIXED = {
@@ -64,8 +64,7 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str, limit: float |
         finite = [value for value in resistances if 0 < value < np.inf] or [1e-3]
         return Unit(*prefix(limit or float(np.median(finite)), printed(unit)))
     if unit in ("Pa", "Pa m-1"):
-        heaviest_load = float(np.max(np.nan_to_num(plain.get("mean_pressure", 0.0))))
-        pressure = pressure_unit(float(plain.get("contact_modulus", np.nan)), heaviest_load)
+        pressure = unit_of_pressures(plain)
         return pressure if unit == "Pa" else Unit(pressure.factor * 1e-6, f"{pressure.symbol}/µm")
     if unit == "m along":
         # a profile has a length alone
@@ -166,6 +165,8 @@ def largest_source(numbers: Numbers, name: str, index: int) -> str:
     >>> largest_source(widths, "mean_gap", 0)
     'hardness'
     """
+    if name == PEAK and hardness_reached(numbers)[index]:
+        return "hardness"
     if (key := f"{name}_uncertainty") not in numbers or "source" not in numbers:
         return ""
     widths = np.nan_to_num(np.asarray(numbers[key], float)[index][:-1], nan=-1.0)

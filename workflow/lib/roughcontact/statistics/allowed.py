@@ -11,6 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from roughcontact.arguments.answers import ALLOWED_VALUES, ENDS, OPPOSITE_ENDS, TOTALS
+from roughcontact.arguments.variables import Numbers
 from roughcontact.statistics.decisions import is_lifted, lifting_pressure
 from roughcontact.statistics.kinds import reason_without_flow
 
@@ -133,14 +134,15 @@ def with_allowed(
     return complete.assign(columns)
 
 
-def compared_ends(statistics: xr.Dataset, name: str) -> np.ndarray:
+def compared_ends(statistics: Numbers, name: str) -> np.ndarray:
     """Return what is compared with an allowed value, by its value, lower and upper end (3, load).
 
     It is the largest of its numbers, NaN for an end that is not there; the reciprocal of what has to be at
     least as large, so that it is at most what is allowed.
     """
-    allowed, nan = ALLOWED_VALUES[name], np.full(statistics.sizes["load"], np.nan)
+    allowed = ALLOWED_VALUES[name]
     numbers = [number for number in allowed.numbers if number in statistics]
+    nan = np.full(np.shape(statistics[numbers[0]]), np.nan)
     bounds = [
         np.max([statistics.get(f"{number}{suffix}", nan) for number in numbers], axis=0) for suffix in ENDS
     ]

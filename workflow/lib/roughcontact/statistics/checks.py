@@ -7,7 +7,7 @@ is the verdict on contact area and pressure in contact. The checks and their lim
 `contact_checks`, `map_checks` and `instrument_checks`.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -38,12 +38,10 @@ _BEYOND_THE_INTERVAL: dict[str, Callable[[Attributes], bool]] = {
     "Quantisation": instrument_checks.is_too_coarse,
     "Form": lambda window: facts_of(window).adds_form(window),
 }
-# kind of problem -> checks of what it does not have: of a body, form and edges are meant
-_OMITTED: dict[str, Sequence[str]] = {
-    FINITE_BODY.name: (
-        *("Periodic window", "Window", "Longest wave", "Sample", "Load range", "Slopes", "Steep places"),
-    )
-}
+# checks of what a body of finite size does not have: its form and edges are meant
+_NOT_OF_BODIES = (
+    *("Periodic window", "Window", "Longest wave", "Sample", "Load range", "Slopes", "Steep places"),
+)
 
 
 def surface_checks(
@@ -98,12 +96,9 @@ def surface_checks(
         instrument_checks.pixel_size(height, window),
         map_checks.reading(height, levelled),
     )
-    omitted = _OMITTED.get(facts_of(statistics.attrs).name, ())
-    return [
-        _noted(check, statistics, window)
-        for check in checks
-        if check is not None and check.name not in omitted
-    ]
+    omitted = _NOT_OF_BODIES if facts_of(statistics.attrs) is FINITE_BODY else ()
+    made = (check for check in checks if check is not None and check.name not in omitted)
+    return [_noted(check, statistics, window) for check in made]
 
 
 def _noted(check: Check, statistics: Statistics, window: Attributes) -> Check:
@@ -147,10 +142,10 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
         "contact on filled points": statistics["contact_on_filled_points"].values > FILLED_IN_CONTACT[0],
         "rejected points carry load": statistics.get("rejected_load_share", 0 * share) > REJECTED_LOAD,
     }
-    by_class = [contact_checks.yield_flags(values_at_load(statistics, load)) for load in range(share.size)]
     return [
-        [word for word, applies in words.items() if applies[load]] + flags
-        for load, flags in enumerate(by_class)
+        [word for word, applies in words.items() if applies[load]]
+        + [*filter(None, [contact_checks.yielding(values_at_load(statistics, load))])]
+        for load in range(share.size)
     ]
 
 

@@ -94,7 +94,7 @@ def _hardness_check(statistics: Statistics) -> Check:
     hardness, modulus = (float(statistics[name]) for name in ("hardness", "contact_modulus"))
     load_share, area_share = (statistics[f"{name}_share_above_hardness"].values for name in ("load", "area"))
     yield_text = ""
-    if "first_yield_pressure" in statistics:
+    if may_yield(statistics):
         load = " of ".join(load_in_words(float(statistics["first_yield_pressure"]), statistics))
         yield_text = f" First yield at a {load}."
     worst, yields = np.argmax(load_share), area_share > 0
@@ -105,6 +105,19 @@ def _hardness_check(statistics: Statistics) -> Check:
     words = {"loads": _loads(yields, statistics), "hardness": unit_of_pressures(statistics).text(hardness)}
     cases = {"flows": yields.any(), "elastic": True}
     return judge("Plasticity", cases, **numbers, **words, first_yield=yield_text)
+
+
+def may_yield(statistics: Numbers) -> bool:
+    """Return whether the load of first yield is one that these bodies can carry: one below their modulus.
+
+    Examples
+    --------
+    >>> rubber_on_steel = {"first_yield_pressure": 1.4e9, "contact_modulus": 8e6}
+    >>> may_yield(rubber_on_steel), may_yield(rubber_on_steel | {"contact_modulus": 1e11})
+    (False, True)
+    """
+    first_yield = float(statistics.get("first_yield_pressure", np.inf))
+    return first_yield < float(statistics["contact_modulus"])
 
 
 def _check_by_classes(statistics: Statistics) -> Check:
@@ -138,16 +151,16 @@ def rubber_like(statistics: Numbers) -> bool:
     return float(statistics["contact_modulus"]) < materials.RUBBER
 
 
-def yield_flags(load: Numbers) -> list[str]:
-    """Return the warnings of one load: "points flow", or by class "metals flow", "beyond hardness"."""
+def yielding(load: Numbers) -> str:
+    """Return in words what yields at one load at the stated hardness, or would without one; else nothing."""
     if "hardness" in load:
-        return ["points flow"] if load["area_share_above_hardness"] > 0 else []
+        return "asperities yield" if load["area_share_above_hardness"] > 0 else ""
     if rubber_like(load):
-        return []
+        return ""
     mean, largest = _over_modulus(load)
-    if mean > materials.MAX_HARDNESS:  # that of any material
-        return ["beyond hardness"]
-    return ["metals flow"] if _metals_flow(mean, largest) else []
+    if mean > materials.MAX_HARDNESS:
+        return "any material would yield"
+    return "metals would yield" if _metals_flow(mean, largest) else ""
 
 
 def _over_modulus(numbers: Numbers) -> list[np.ndarray]:
@@ -194,9 +207,7 @@ def units(statistics: Statistics) -> Check:
     of_modulus = materials.doubt_of_modulus(modulus)
     of_loads = [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]
     names = ("friction_coefficient", "max_flash_temperature", "temperature_drop")
-    friction, flash, drop = (
-        largest_of_loads(statistics[name]) if name in statistics else 0.0 for name in names
-    )
+    friction, flash, drop = (largest_of_loads(statistics.get(name, 0.0)) for name in names)
     rise = max(flash, drop)
     of_temperature, temperatures = _doubtful_temperature(statistics, rise)
     low, high = (unit_of_pressures(statistics).text(float(f(loads))) for f in (np.min, np.max))

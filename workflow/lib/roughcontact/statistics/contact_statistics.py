@@ -542,8 +542,7 @@ def surface_statistics(height: xr.DataArray, power: np.ndarray | None = None) ->
         # a profile has no width
         "window_length_x": nx * dx if nx > 1 else np.nan,
         "window_length_y": ny * dy if ny > 1 else np.nan,
-        "window_offset_x": float(height.attrs.get("window_offset_x", 0.0)),
-        "window_offset_y": float(height.attrs.get("window_offset_y", 0.0)),
+        **{name: float(height.attrs.get(name, 0.0)) for name in ("window_offset_x", "window_offset_y")},
     }
 
 

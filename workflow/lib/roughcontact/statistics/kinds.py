@@ -39,7 +39,8 @@ def smooth_contact(window: xr.DataArray, numbers: xr.Dataset, load: int) -> dict
 
 def unit_of_pressures(numbers: Numbers) -> Unit:
     """Return the unit of the pressures of a surface."""
-    return pressure_unit(float(numbers["contact_modulus"]), float(np.nanmax(numbers["mean_pressure"])))
+    heaviest_load = float(np.max(np.nan_to_num(numbers.get("mean_pressure", 0.0))))
+    return pressure_unit(float(numbers.get("contact_modulus", np.nan)), heaviest_load)
 
 
 def load_in_words(pressure: float, numbers: Numbers) -> tuple[str, str]:

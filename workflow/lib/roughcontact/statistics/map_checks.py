@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from roughcontact.arguments.checking import MAX_GRADIENT
+from roughcontact.arguments.choices import PERIODIC_BY
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.profiles.lays import lay_facts
@@ -70,13 +71,9 @@ def outliers(statistics: Statistics, attrs: Attributes) -> Check:
     # levelled without keeping the rejected heights it is not known
     share = largest_of_loads(statistics.get("rejected_load_share", np.nan))
     cases = {"none": not removals, "unknown": np.isnan(share), "carry": share > REJECTED_LOAD}
-    they, was, noun, lie, are = "they", "were", "outliers", "they lie", "they are errors"
-    if removals == 1:
-        they, was, noun, lie, are = "it", "was", "an outlier", "it lies", "it is an error"
-    noun += f" ({kinds})" if kinds else ""
     at_most = " at most" if statistics.sizes["load"] > 1 else ""
-    facts = {"points": counted_noun(removals, "point"), "share": share, "at_most": at_most}
-    return judge("Outliers", cases, they=they, was=was, noun=noun, lie=lie, are=are, **facts)
+    facts = {"points": counted_noun(removals, "point"), "kinds": f" ({kinds})" if kinds else ""}
+    return judge("Outliers", cases, **facts, share=share, at_most=at_most)
 
 
 def scan_lines(attrs: Attributes, statistics: Statistics | None = None) -> Check:
@@ -142,7 +139,9 @@ def periodicity(window: Attributes) -> Check:
     method = window.get("periodisation", "none")
     steeper, moved = abs(change) > GRADIENT_CHANGE, relative > HEIGHT_CHANGE
     cases = {"periodic": method == "none", "both": steeper and moved, "gradient": steeper, "heights": moved}
-    return judge("Periodic window", cases, method=method, relative=relative, change=change)
+    return judge(
+        "Periodic window", cases, method=PERIODIC_BY.get(method, method), relative=relative, change=change
+    )
 
 
 def window_share(window: Attributes) -> Check:

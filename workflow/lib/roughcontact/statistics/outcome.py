@@ -5,7 +5,6 @@ The outcomes of each check and their sentences are the rows of `checks.tsv`.
 
 import re
 import string
-import textwrap
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
@@ -18,8 +17,6 @@ PASSED, REVIEW, FAILED = "passed", "review", "failed"
 NOTE = "note"  # worth knowing, but in the interval or in what was asked for; it does not affect the verdict
 NOT_MADE = "not made"  # for lack of data; it does not affect the verdict
 _PART, _CONCERNS = "part", "concerns"  # of sentences, and answers, in the column of outcomes
-_ELLIPSIS = " …"
-_MAX_SENTENCE_LENGTH = 200  # letters, in a list
 VERDICTS = {PASSED: "use", REVIEW: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
 
 
@@ -137,32 +134,32 @@ def sort_by_importance(checks: Iterable[Check]) -> list[Check]:
     return sorted(checks, key=lambda check: (check.outcome != FAILED, importance.index(check.name)))
 
 
-def reason_text(check: Check, *, letters: int | None = None) -> str:
-    """Return name, answers concerned, finding and advice of a check, in so many letters at the most.
+def reason_text(check: Check) -> str:
+    """Return name, answers concerned, finding and advice of a check.
 
     Examples
     --------
-    >>> steep = Check("Slopes", REVIEW, "The rms gradient is 0.4.", advice="Refine.")
-    >>> reason_text(steep)
+    >>> reason_text(Check("Slopes", REVIEW, "The rms gradient is 0.4.", advice="Refine."))
     'Slopes: The rms gradient is 0.4. Refine'
-    >>> reason_text(steep, letters=30)
-    'Slopes: The rms … Refine'
-    >>> reason_text(Check("Slopes", REVIEW, "It is steep (0.4 and more)."), letters=28)
-    'Slopes: It is steep …'
     >>> reason_text(Check("Sample", REVIEW, "The map is small.", ("mean_gap", "sealing")))
     'Sample (mean gap, sealing): The map is small'
     """
     subject = f" ({concerns(check)})" if concerns(check) else ""
-    head = f"{check.name}{subject}:"
-    advice = textwrap.shorten(check.advice, _MAX_SENTENCE_LENGTH, placeholder=_ELLIPSIS)
-    room = _MAX_SENTENCE_LENGTH if letters is None else max(letters - len(head) - len(advice) - 2, 0)
-    # the finding is cut first: what to do stays
-    finding = ""
-    if room > len(_ELLIPSIS):
-        finding = textwrap.shorten(check.finding, min(room, _MAX_SENTENCE_LENGTH), placeholder=_ELLIPSIS)
-        finding = re.sub(rf" \([^()]*{_ELLIPSIS}$", _ELLIPSIS, finding)  # a bracket that was cut
-    text = " ".join(filter(None, (head, finding, advice))).rstrip(".")
-    return text if letters is None else textwrap.shorten(text, letters, placeholder=_ELLIPSIS)
+    text = " ".join(filter(None, (f"{check.name}{subject}:", check.finding, check.advice)))
+    return text.rstrip(".")
+
+
+def brief_reason(check: Check, letters: int) -> str:
+    """Return the reason of a check, where it has more than so many letters what to do alone.
+
+    Examples
+    --------
+    >>> steep = Check("Slopes", REVIEW, "The rms gradient is 0.4.", advice="Refine.")
+    >>> brief_reason(steep, 40), brief_reason(steep, 20)
+    ('Slopes: The rms gradient is 0.4. Refine', 'Slopes: Refine')
+    """
+    text = reason_text(check)
+    return reason_text(check._replace(finding="")) if check.advice and len(text) > letters else text
 
 
 def concerns(check: Check) -> str:

@@ -60,12 +60,11 @@ def precision(value: float, lower: float, upper: float) -> tuple[str, float]:
     if lower == value == upper:  # of a gap that is closed everywhere, of full contact
         return "percent", float(_SMALLEST_PERCENTS)
     if value > 0 and math.isfinite(lower + upper):
-        half_width, factor = max(value - lower, upper - value) / value, math.inf
+        half_width = max(value - lower, upper - value) / value
         percents = max(_SMALLEST_PERCENTS, _rounded_up(100 * half_width, _STEP))
         if percents <= PERCENT:
             return "percent", float(percents)
-        if lower > 0:
-            factor = max(upper / value, value / lower)
+        factor = max(upper / value, value / lower) if lower > 0 else math.inf
         if factor <= MAGNITUDE:
             factor = _rounded_up(factor, _STEP_OF_FACTOR)
             return ("factor", factor) if factor <= FACTOR else ("magnitude", MAGNITUDE)
@@ -97,7 +96,7 @@ def precision_in_words(value: float, lower: float, upper: float) -> str:
         return f"to ± {limit:.0f} %"
     if kind == "factor":
         return f"to a factor {number(limit, digits=2)}"
-    return "order of magnitude" if kind == "magnitude" else "not by this map"
+    return "order of magnitude" if kind == "magnitude" else "worse than a factor of 10"
 
 
 def add_precision(statistics: xr.Dataset) -> xr.Dataset:

@@ -27,7 +27,7 @@ _PLANNED = 0.1  # relative half-width that the number of places is told for
 ADVICE = {
     "solver": "set the tolerance of the solver to a tenth",
     "discretisation": "measure with pixels half as large",
-    "instrument": "repeat the measurement and average, or state the instrument more narrowly",
+    "instrument": "repeat the measurement and average, or calibrate the instrument",
     "material": "state contact modulus and load twice as narrowly",
     "hardness": "measure the hardness, and state it with its uncertainty",
     "unresolved": "measure with pixels half as large, this map then being its overview",
@@ -66,12 +66,12 @@ def planning_line(statistics: xr.Dataset) -> str:
     if subject.half_width <= _PLANNED or beyond_plans or not math.isfinite(subject.of_places[0]):
         return ""
     if places := maps_for(_PLANNED, subject.of_places, shared_error, subject.name):
-        return f"{counted_noun(places, 'place')} {size} in all"
+        return f"{counted_noun(places, subject.noun)} {size} in all"
     if shared_error < _PLANNED:
-        return f"more than {_MAX_MAPS} places {size}"
+        return f"more than {_MAX_MAPS} {subject.noun}s {size}"
     largest = max(subject.widths.keys() - {"window"}, key=subject.widths.__getitem__)
     width = f"is ± {percent(shared_error, digits=2)}" if math.isfinite(shared_error) else "has no bound"
-    return f"no number of places, the {largest} alone {width}"
+    return f"no number of {subject.noun}s, the {largest} alone {width}"
 
 
 def add_halving(statistics: xr.Dataset, *, overview: bool = False) -> xr.Dataset:
@@ -184,6 +184,7 @@ class _Subject(NamedTuple):
     of_places: tuple[float, float] = (math.nan, math.nan)  # by the window, of this map and of another place
     shared_error: float = 0.0  # by all other sources
     size: str = "of this size"  # what further places have to be
+    noun: str = "place"
 
 
 def _asked_number(statistics: xr.Dataset) -> tuple[list[str], str]:
@@ -220,6 +221,9 @@ def _subject_at_load(at_load: xr.Dataset, name: str) -> _Subject:
     by_source = dict(zip(at_load["source"].values, widths.tolist(), strict=True))
     by_source = {source: by_source[source] for source in SOURCES if not math.isnan(by_source[source])}
     of_window = by_source.get("window", math.nan)
+    is_profile = "profiles" in at_load.attrs or not math.isfinite(at_load.get("window_length_y", 1.0))
+    noun, size = ("profile", "of this length") if is_profile else ("place", "of this size")
+    size += ", each with its overview" * (f"{name}_{ALONE}" in at_load)
     return _Subject(
         name,
         value,
@@ -227,7 +231,8 @@ def _subject_at_load(at_load: xr.Dataset, name: str) -> _Subject:
         widths=by_source,
         of_places=(of_window, _half_width_elsewhere(of_window, name, value)),
         shared_error=math.hypot(*(width for source, width in by_source.items() if source != "window")),
-        size="of this size, each with its overview" if f"{name}_{ALONE}" in at_load else "of this size",
+        size=size,
+        noun=noun,
     )
 
 
@@ -238,7 +243,7 @@ def _more_places(subject: _Subject) -> str:
         target = math.hypot(subject.shared_error, subject.of_places[0] / 2)
     maps = maps_for(target, subject.of_places, subject.shared_error, subject.name)
     if maps is None:
-        return "measure more places"
+        return f"measure more {subject.noun}s"
     half_width = half_width_of_mean(subject.of_places, maps, subject.shared_error, subject.name)
     text = f" (their mean: to about ± {percent(half_width, digits=2)})" if half_width < 1 else ""
-    return f"measure {counted_noun(maps - 1, 'more place')} {subject.size}{text}"
+    return f"measure {counted_noun(maps - 1, f'more {subject.noun}')} {subject.size}{text}"

@@ -8,6 +8,7 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.arguments.answers import AREA, TABLES
+from roughcontact.arguments.choices import PERIODIC_BY
 from roughcontact.arguments.kinds import facts_of
 from roughcontact.arguments.quantities import percent, quantity
 from roughcontact.arguments.variables import names_asked
@@ -34,7 +35,7 @@ def solution(result: Mapping[str, Any], statistics: xr.Dataset) -> str:
         quantity(result["surface"][f"window_length_{axis}"], "m") for axis in "xy" if window[f"n{axis}"] > 1
     ]
     size = f"{points_in_words(window)}, {' × '.join(lengths)}"
-    body = facts_of(settings["contact"]).noun or f"made periodic: {window['periodisation']}"
+    body = facts_of(settings["contact"]).noun or _periodic_by(window["periodisation"])
     lines = [
         ("levelled", result["levelled"]["removed_and_filled"]),
         ("window", f"{size}, {percent(window['share'])} of the map, {body}"),
@@ -51,7 +52,7 @@ def solution(result: Mapping[str, Any], statistics: xr.Dataset) -> str:
         *beyond_in_words(numbers).items(),
         ("verdict", _verdict(result)),
         ("with overview", result["overview"]),
-        ("largest part", largest_parts(numbers)),
+        ("largest source of ±", largest_parts(numbers)),
         ("to halve the ±", f"of the {result['halved']}: {result['halve']}" if result["halve"] else ""),
         ("for ± 10 %", result["places"]),
         *((check["name"], check["sentence"]) for check in result["checks"] if check["outcome"] != "passed"),
@@ -68,6 +69,12 @@ def solution(result: Mapping[str, Any], statistics: xr.Dataset) -> str:
             *_lines(remarks),
         ]
     )
+
+
+def _periodic_by(method: str) -> str:
+    """Return how a window was made periodic."""
+    unchanged = {"none": "periodic as measured", "raw": "its edges left as they are"}
+    return unchanged.get(method) or f"made periodic by {PERIODIC_BY[method]}"
 
 
 def answers(
@@ -154,7 +161,7 @@ def _table(
     remarks = ["remarks"] if any(flags) else []
     table = Table(*headings, *remarks, box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="")
     for index, cells in enumerate(rows):
-        texts = ["\n".join(filter(None, (cell.text, cell.details, cell.known))) for cell in cells]
+        texts = ["\n".join(filter(None, (cell.text, cell.all_details, cell.known))) for cell in cells]
         table.add_row(*texts, *([", ".join(flags[index])] if remarks else []))
     page = io.StringIO()
     Console(

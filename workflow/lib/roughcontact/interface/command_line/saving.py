@@ -152,7 +152,7 @@ def _answers(statistics: "xr.Dataset") -> "pd.DataFrame":
                 factor = units[name].factor
                 value, lower, upper = (factor * number for number in interval_at(rising, name, index))
                 row |= {"value": value, "unit": units[name].symbol, "-": value - lower, "+": upper - value}
-            rows.append(row | {"known": cell.known, "details": cell.details})
+            rows.append(row | {"known": cell.known, "details": cell.all_details})
     columns = [stated_as, "answer", "value", "-", "+", "unit", "known", "details"]
     return pd.DataFrame(rows, columns=columns)
 

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments.checking import check_map
-from roughcontact.arguments.choices import Placement, WindowMethod
+from roughcontact.arguments.choices import PERIODIC_BY, Placement, WindowMethod
 from roughcontact.arguments.maps import spacing
 from roughcontact.arguments.measurement import json_attribute, json_attributes
 from roughcontact.arguments.si import as_si
@@ -333,7 +333,9 @@ def _reason(
     text = f"{used[1]} × {used[0]} of {nx} × {ny} points are used: {why}"
     if [ny, nx] == used:
         text = f"The whole map of {nx} × {ny} points is used"
-    text += f"; made periodic by {method}" if method != "raw" else "; its edges are left as they are"
+    text += (
+        f"; made periodic by {PERIODIC_BY[method]}" if method != "raw" else "; its edges are left as they are"
+    )
     if [*solved_shape] != used:
         text += f", which leaves {solved_shape[1]} × {solved_shape[0]} points"
     return text + "."
