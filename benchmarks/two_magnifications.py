@@ -538,6 +538,13 @@ def calibration(fine: pd.DataFrame, overviews: pd.DataFrame, others: pd.DataFram
     return calibrate.rounded(table)
 
 
+def without_copies(fine: pd.DataFrame, *others: pd.DataFrame) -> list[pd.DataFrame]:
+    """Return the tables of the bank without the second of two files of the same heights."""
+    whole = fine[fine["part"] == WHOLE].pivot_table(index="map", columns="load", values=list(NAMES))
+    maps = whole.drop_duplicates().index
+    return [table[table["map"].isin(maps)] for table in (fine, *others)]
+
+
 def main() -> None:
     """Measure, and print or write the tables."""
     parser = argparse.ArgumentParser(
@@ -558,7 +565,7 @@ def main() -> None:
                 key: table[key].map(lambda v, n=n: f"{v:.{n}g}") for key, n in digits.items() if key in table
             }
             table.assign(**text).to_csv(file, index=False, float_format="%.3f")
-    fine, overviews, others = (pd.read_csv(file) for file in BANK)
+    fine, overviews, others = without_copies(*map(pd.read_csv, BANK))
     tables = {"coverage": coverage(fine, overviews), "limit": of_limit(fine)}
     tables |= {"used": as_used(fine, overviews), "several": of_several(fine, overviews)}
     tables["other positions"] = coverage(fine, others, around=False)
