@@ -60,8 +60,7 @@ def allowed_in_words(numbers: Numbers, name: str, index: int, *, brief: bool = F
         allowed.answer in allowed.numbers or name in stated_allowed(numbers, "conductance")[:1]
     )
     subject, total = ("", "") if is_shown else (allowed.words, total)
-    lifts = fluid_in_words(numbers, index, name)
-    detail = f" ({lifts})" if lifts else ""
+    detail = f" ({lifts})" if (lifts := fluid_in_words(numbers, index, name)) else ""
     if not brief:
         detail += f", {link}{_load_in_words(numbers, name)}{_roughness_in_words(numbers, name, index)}"
     return Sentence(f"{' '.join(filter(None, [subject, total, limit]))}: ", word, detail)
@@ -101,8 +100,7 @@ def _total_in_words(numbers: Numbers, name: str, index: int) -> str:
         compared[f"{totals[0]}{suffix}"] = values
     if not compared[totals[0]][index] > 0:
         return ""
-    unit = unit_of(numbers, ALLOWED_VALUES[name].unit)
-    return quantity_text(compared, totals[0], unit, index)
+    return quantity_text(compared, totals[0], unit_of(numbers, ALLOWED_VALUES[name].unit), index)
 
 
 def fluid_in_words(numbers: Numbers, index: int, name: str = "leak") -> str:

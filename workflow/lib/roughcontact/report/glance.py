@@ -284,16 +284,13 @@ def answer_sentences(
             known = [cell.details, *cell.further, *cell.totals, *known, verdict]
         else:
             known = [cell.details, *known, *([] if allowed else cell.totals)]
-        precision = ", ".join(filter(None, known))
         text = f"{subject} {cell.text}".lstrip()
-        if precision and cell.text == CLOSED_IN_WORDS:  # in the parentheses that it has
-            text = f"{text.removesuffix(')')}, {precision})"
-        elif precision:
-            text = f"{text} ({precision})"
+        if precision := ", ".join(filter(None, known)):
+            # what is closed has the parentheses already
+            text = f"{text[:-1]}, {precision})" if cell.text == CLOSED_IN_WORDS else f"{text} ({precision})"
         words.append(text)
-    line = Sentence(
-        "; ".join([f"At {cells[LOAD].text}: {', '.join(words)}", *map(str, repeated)]), detail="."
-    )
+    at_load = f"At {cells[LOAD].text}: {', '.join(words)}"
+    line = Sentence("; ".join([at_load, *map(str, repeated)]), detail=".")
     capital = [Sentence(f"{text[0].upper()}{text[1:]}", word, f"{rest}.") for text, word, rest in allowed]
     slip = slip_in_words(numbers, index)
     return [*capital, *([line] if words else []), *([Sentence(slip)] if slip else [])]
@@ -369,8 +366,7 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     unit, has_range = units[name], "hardness_lower" in numbers
     text, _, interval = number_text(numbers, name, unit, index).partition(" ")
     shown = f"{text} {unit.symbol}".rstrip()
-    is_hardness = name == PEAK and bool(hardness_reached(numbers)[index])
-    if is_hardness and not has_range:
+    if name == PEAK and not has_range and hardness_reached(numbers)[index]:
         return Cell(shown, "the hardness as stated")
     if lacks_interval(numbers, name):
         return Cell(shown, _NO_INTERVAL)
@@ -384,11 +380,11 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], index:
     _, factor_name = _FACTORS.get(name, ("", ""))
     if factor_name and f"{factor_name}_lower" not in numbers:
         remarks.append(Remark(_in_words(factor_name)))
-    precision = precision_in_words(value, lower, upper)
-    remarks = remarks if is_known(value, lower, upper) else []
     if name == GAP and min(value, upper) < decisions.CLOSED:  # a NaN end is no smaller
         open_elsewhere = f"up to {unit.text(upper)}" if upper >= decisions.CLOSED else ""
         return Cell(CLOSED_IN_WORDS, open_elsewhere, precision="" if open_elsewhere else _DECIDED)
+    remarks = remarks if is_known(value, lower, upper) else []
+    precision = precision_in_words(value, lower, upper)
     return Cell(shown, interval.strip("()"), precision=precision, remarks=tuple(remarks))
 
 
@@ -474,13 +470,11 @@ def _yields(numbers: Numbers, units: Mapping[str, Unit], index: int) -> Cell:
         decision = decisions.is_yielding(numbers)[index]
         has_interval = has_number(numbers, f"{PEAK}_lower") or has_number(numbers, f"{PEAK}_upper")
         precision = "" if not has_interval else _NOT_DECIDED if np.isnan(decision) else _DECIDED
-        where_reached = "just" if PEAK in numbers and hardness_reached(numbers)[index] else "nowhere"
-        details = (
-            f"yielded asperities carry {percent(share)} of the load"
-            if share > 0
-            else f"hardness {where_reached} reached"
-        )
-        return Cell("yes" if share > 0 or decision == 1 else "no", details, precision=precision)
+        if share > 0:
+            return Cell("yes", f"yielded asperities carry {percent(share)} of the load", precision=precision)
+        is_reached = PEAK in numbers and hardness_reached(numbers)[index]
+        details = f"hardness {'just' if is_reached else 'nowhere'} reached"
+        return Cell("yes" if decision == 1 else "no", details, precision=precision)
     if not np.isnan(below):
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
     if rubber_like(numbers):

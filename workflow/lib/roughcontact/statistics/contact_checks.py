@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.arguments import materials
-from roughcontact.arguments.answers import AREA
+from roughcontact.arguments.answers import AREA, PEAK, PRESSURE
 from roughcontact.arguments.measurement import json_attribute
 from roughcontact.arguments.variables import Numbers
 from roughcontact.contact.dataset import recorded_medium
@@ -122,19 +122,19 @@ def may_yield(statistics: Numbers) -> bool:
 
 def _check_by_classes(statistics: Statistics) -> Check:
     """Return the check of the pressure where no hardness is stated, by classes of materials."""
-    modulus, (mean, largest) = float(statistics["contact_modulus"]), _over_modulus(statistics)
-    beyond_materials, flowing = mean > materials.MAX_HARDNESS, _metals_flow(mean, largest)
+    modulus, (mean, largest, is_flowing) = float(statistics["contact_modulus"]), _over_modulus(statistics)
+    beyond_materials = mean > materials.MAX_HARDNESS
     is_rubber = rubber_like(statistics)
     cases = {
         # rubber is elastic to large strains, but not beyond its own modulus
         "beyond rubber": is_rubber and mean.max() > 1,
         # the modulus of a gel may be one in MPa that was taken for Pa
-        "gel": is_rubber and modulus < materials.GEL and flowing.any(),
+        "gel": is_rubber and modulus < materials.GEL and is_flowing.any(),
         "rubber": is_rubber,
         "beyond materials": beyond_materials.any(),
-        "metals flow": flowing.any(),
+        "metals flow": is_flowing.any(),
     }
-    loads = _loads(beyond_materials if beyond_materials.any() else flowing, statistics)
+    loads = _loads(beyond_materials if beyond_materials.any() else is_flowing, statistics)
     facts = {"mean": mean.max(), "largest": largest.max(), "modulus": modulus, "if_in_mpa": 1e6 * modulus}
     return judge("Plasticity", cases, loads=loads, limits=materials, **facts)
 
@@ -157,21 +157,18 @@ def yielding(load: Numbers) -> str:
         return "asperities yield" if load["area_share_above_hardness"] > 0 else ""
     if rubber_like(load):
         return ""
-    mean, largest = _over_modulus(load)
+    mean, _, is_flowing = _over_modulus(load)
     if mean > materials.MAX_HARDNESS:
         return "any material would yield"
-    return "metals would yield" if _metals_flow(mean, largest) else ""
+    return "metals would yield" if is_flowing else ""
 
 
-def _over_modulus(numbers: Numbers) -> list[np.ndarray]:
-    """Return the mean pressure in contact and the largest one over the modulus."""
+def _over_modulus(numbers: Numbers) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return mean and largest pressure in contact over E*, and where metals would flow under them."""
     modulus = float(numbers["contact_modulus"])
-    return [np.asarray(numbers[name]) / modulus for name in ("mean_contact_pressure", "max_pressure")]
-
-
-def _metals_flow(mean: np.ndarray, largest: np.ndarray) -> np.ndarray:
-    """Return where metals would flow at these pressures over E*: in the mean, or, hardened, at the peak."""
-    return (mean > materials.METALS[0]) | (largest > materials.METALS[1])
+    mean, largest = (np.asarray(numbers[name]) / modulus for name in (PRESSURE, PEAK))
+    # in the mean, or, hardened, at the peak
+    return mean, largest, (mean > materials.METALS[0]) | (largest > materials.METALS[1])
 
 
 def layers(statistics: Statistics, points: int) -> Check | None:

@@ -20,7 +20,8 @@ from roughcontact.errors import SettingsError
 from roughcontact.statistics.kinds import facts_of_numbers
 
 SAME_LOAD = 1e-3  # relative
-OF_SLOPE = ("loading_stiffness", "contact_stiffness", f"{GAP}_as_solved")  # that of the gap over the load
+_STIFFNESSES = "loading_stiffness", "contact_stiffness"
+OF_SLOPE = *_STIFFNESSES, f"{GAP}_as_solved"  # that of the gap over the load
 
 
 def paired_loads(
@@ -132,7 +133,7 @@ def slopes_of(name: str, data: xr.Dataset) -> np.ndarray | None:
 
     That of a body of finite size is of its approach.
     """
-    stiffnesses = [data[key].values for key in OF_SLOPE[:2] if key in data]
+    stiffnesses = [data[key].values for key in _STIFFNESSES if key in data]
     if name != GAP or not stiffnesses or facts_of_numbers(data).own_numbers:
         return None
     gap = data.get(f"{GAP}_as_solved", data[GAP]).values
