@@ -468,8 +468,8 @@ def test_each_check_can_ask_for_a_look(good):
 def test_a_single_rejected_point_is_spoken_of_in_the_singular():
     shares = xr.Dataset({"rejected_load_share": ("load", [0.11])})
     sentence = map_checks.outliers(shares, {"outliers_rejected": 1, "outlier_kinds": '{"spike": 1}'}).sentence
-    assert sentence.startswith("1 point rejected (1 spike); kept, 11.0 % of the load would lie there")
-    assert "whether these are errors of the measurement. See where they are" in sentence
+    assert sentence.startswith("1 point rejected (1 spike); if kept, 11.0 % of the load would lie there")
+    assert "whether they are errors of the measurement. See where the outliers are" in sentence
 
 
 def test_slopes_that_no_surface_has_are_not_to_be_trusted(good):

@@ -192,7 +192,7 @@ def test_levelling_aligns_by_default_where_it_is_clear():
         (
             {"evidence": "clear", "alignment": "jitter"},
             REVIEW,
-            "Compare without that (level.line_alignment: none)",
+            "Compare without aligned lines (level.line_alignment: none)",
         ),
         (
             {"evidence": "clear", "alignment": "none"},

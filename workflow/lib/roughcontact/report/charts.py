@@ -39,6 +39,9 @@ _OUTLINES = {
     "s": "M-.9-.9h1.8v1.8h-1.8z",
     "^": "M0-1.1L1 .8H-1z",
     "D": "M0-1.2L1.2 0 0 1.2-1.2 0z",
+    "v": "M0 1.1L1-.8H-1z",
+    "P": "M-.4-1.1h.8v.7h.7v.8h-.7v.7h-.8v-.7h-.7v-.8h.7z",
+    "X": "M-1-.5L-.5-1 0-.5.5-1 1-.5.5 0 1 .5.5 1 0 .5-.5 1-1 .5-.5 0z",
 }
 MARKERS = tuple(_OUTLINES)
 
@@ -121,7 +124,7 @@ def log_axis(label: str, values: np.ndarray, *, room: float = 1.5) -> Axis:
 
 def series_style(index: int, case: int = 0) -> dict[str, Any]:
     """Return how one of several lines looks under a case; another mark when the colours begin again."""
-    marker = MARKERS[(index // len(COLOURS) + index % len(COLOURS)) % len(MARKERS)]
+    marker = MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
     of_case = {"filled": not case, "dash": DASHES[case % len(DASHES)]}
     return {"colour": COLOURS[index % len(COLOURS)], "marker": marker, **of_case}
 

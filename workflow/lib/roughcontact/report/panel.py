@@ -22,7 +22,8 @@ from roughcontact.report.template import sentence, template
 from roughcontact.report.units import stated_loads, unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks, outcome
-from roughcontact.statistics.kinds import facts_of_numbers, smooth_contact
+from roughcontact.statistics.finite_body import hertz_contact
+from roughcontact.statistics.kinds import facts_of_numbers
 from roughcontact.surface.faces.placing import frame_of_place, place_in_words, separate_overviews
 
 _TITLES = {  # of the maps by the number of measured faces
@@ -188,7 +189,7 @@ def _fields(
         for index, place in loads.items():
             pressure, gap = maps(place)
             area = percent(np.count_nonzero(pressure > 0) / pressure.size)
-            smooth = smooth_contact(window, numbers, index)
+            smooth = hertz_contact(window, numbers, index)
             chart = map_plots.pressure_map(window, pressure, highest=highest, unit=unit, ellipse=smooth)
             gap_chart = map_plots.gap_map(window, gap, pressure, widest=widest)
             outline = "; red: the contact of the smooth bodies (Hertz)" if smooth else ""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from roughcontact.arguments.kinds import KIND_FACTS, PERIODIC_MAP, KindFacts, facts_of
+from roughcontact.arguments.kinds import KIND_FACTS, PERIODIC_MAP, KindFacts
 from roughcontact.arguments.quantities import Unit, pressure_unit, quantity
 from roughcontact.arguments.variables import Numbers, has_number
 from roughcontact.errors import SettingsError
@@ -26,15 +26,6 @@ def reason_without_flow(numbers: Numbers) -> str:
         return kind.noun
     lengths = [float(numbers.get(f"window_length_{axis}", 0.0)) for axis in "xy"]
     return "a profile does not tell" if np.isnan(lengths).any() else ""
-
-
-def smooth_contact(window: xr.DataArray, numbers: xr.Dataset, load: int) -> dict[str, float]:
-    """Return the ellipse in which the smooth bodies would touch at a load, nothing without a form."""
-    if not facts_of(window.attrs).adds_form(window.attrs):
-        return {}
-    from roughcontact.statistics.finite_body import hertz_contact  # imported late, as few maps are bodies
-
-    return hertz_contact(window, numbers, load)
 
 
 def unit_of_pressures(numbers: Numbers) -> Unit:
