@@ -9,32 +9,58 @@ PREPARED = {
     name: file_of(name)
     for name in ("height", "counter_height", "levelled", "window", "overview")
 }
+STATISTICS = shown(
+    "results/{result}/statistics.nc", "surface_statistics", "all numbers"
+)
 
 
-# of a pair its faces, which are windowed together; of a map with an overview also that
-for RULE in ("prepare", "prepare_face", "prepare_with_overview"):
+rule prepare:
+    """Read the measured file, level the map, cut out the periodic window."""
+    input:
+        sources=sources_of("prepare"),
+    output:
+        height="results/{result}/height.nc",
+        levelled="results/{result}/levelled.nc",
+        window="results/{result}/window.nc",
+    log:
+        "logs/{result}/prepare.log",
+    wildcard_constraints:
+        result=pattern_of("prepare"),
+    priority: 1  # before all others, so that every file that cannot be read is known soon
+    conda:
+        "../envs/roughcontact.yaml"
+    resources:
+        **resources_of("prepare"),
+    params:
+        **params_of("prepare"),
+    script:
+        "../scripts/prepare.py"
 
-    rule:
-        """Read the measured file, level the map, cut out the periodic window."""
-        name:
-            RULE
-        input:
-            sources=sources_of(RULE),
-        output:
-            **written_by(RULE),
-        log:
-            f"logs/{{result}}/{RULE}.log",
-        wildcard_constraints:
-            result=pattern_of(RULE),
-        priority: 1  # before all others, so that every file that cannot be read is known soon
-        conda:
-            "../envs/roughcontact.yaml"
-        resources:
-            **resources_of(RULE),
-        params:
-            **params_of(RULE),
-        script:
-            "../scripts/prepare.py"
+
+use rule prepare as prepare_face with:
+    output:
+        height="results/{result}/height.nc",
+        levelled="results/{result}/levelled.nc",
+    log:
+        "logs/{result}/prepare_face.log",
+    wildcard_constraints:
+        result=pattern_of("prepare_face"),
+    params:
+        **params_of("prepare_face"),
+
+
+use rule prepare as prepare_with_overview with:
+    output:
+        height="results/{result}/height.nc",
+        levelled="results/{result}/levelled.nc",
+        window="results/{result}/window.nc",
+        overview="results/{result}/overview.nc",
+    log:
+        "logs/{result}/prepare_with_overview.log",
+    wildcard_constraints:
+        result=pattern_of("prepare_with_overview"),
+    params:
+        **params_of("prepare_with_overview"),
 
 
 rule superpose:
@@ -44,7 +70,8 @@ rule superpose:
         face=file_of("face"),
         counter_face=file_of("counter_face"),
     output:
-        **written_by("superpose"),
+        levelled="results/{result}/levelled.nc",
+        window="results/{result}/window.nc",
     log:
         "logs/{result}/superpose.log",
     wildcard_constraints:
@@ -59,34 +86,50 @@ rule superpose:
         "../scripts/superpose.py"
 
 
-# a case with other settings of statistics or uncertainty evaluates the solution of an earlier case
-for RULE in ("contact", "statistics"):
+rule contact:
+    """Solve the contact for every load, bound its error, compute the statistics."""
+    input:
+        **PREPARED,
+        sources=sources_of("contact"),
+        uncertainty=file_of("uncertainty", earlier=True),
+    output:
+        contact="results/{result}/contact.nc",
+        uncertainty="results/{result}/uncertainty.nc",
+        statistics=STATISTICS,
+    log:
+        "logs/{result}/contact.log",
+    wildcard_constraints:
+        result=pattern_of("contact"),
+    conda:
+        "../envs/roughcontact.yaml"
+    threads: threads_of()
+    resources:
+        **resources_of("contact"),
+    params:
+        **params_of("contact"),
+    script:
+        "../scripts/contact.py"
 
-    rule:
-        """Solve the contact for every load, bound its error, compute the statistics."""
-        name:
-            RULE
-        input:
-            **PREPARED,
-            sources=sources_of(RULE),
-            contact=file_of("contact", earlier=True),
-            uncertainty=file_of("uncertainty", earlier=True),
-            statistics=file_of("statistics", earlier=True),
-        output:
-            **written_by(RULE),
-        log:
-            f"logs/{{result}}/{RULE}.log",
-        wildcard_constraints:
-            result=pattern_of(RULE),
-        conda:
-            "../envs/roughcontact.yaml"
-        threads: threads_of()
-        resources:
-            **resources_of(RULE),
-        params:
-            **params_of(RULE),
-        script:
-            "../scripts/contact.py"
+
+# a case with other settings of statistics or uncertainty evaluates the solution of an earlier case
+use rule contact as statistics with:
+    input:
+        **PREPARED,
+        sources=sources_of("statistics"),
+        contact=file_of("contact"),
+        uncertainty=file_of("uncertainty", earlier=True),
+        statistics=file_of("statistics", earlier=True),
+    output:
+        uncertainty="results/{result}/uncertainty.nc",
+        statistics=STATISTICS,
+    log:
+        "logs/{result}/statistics.log",
+    wildcard_constraints:
+        result=pattern_of("statistics"),
+    resources:
+        **resources_of("statistics"),
+    params:
+        **params_of("statistics"),
 
 
 rule panel:
@@ -96,7 +139,7 @@ rule panel:
         sources=sources_of("panel"),
         contact=file_of("contact"),
         statistics="results/{result}/statistics.nc",
-        courses=lambda wildcards: PLAN.further_files(wildcards.result),
+        courses=courses_of,
     output:
         panel=shown(
             "results/{result}/panel.html", "surface_panel", "figures and checks"
@@ -117,11 +160,35 @@ rule panel:
         "../scripts/panel.py"
 
 
-# what follows the contact: the surface that plastic flow has left, those that sliding leaves, the friction of rubber
-for RULE in ("unload", "wear", "slide"):
+rule unload:
+    """Take the load off: the surface that plastic flow has left, and the contact on the way back."""
+    input:
+        sources=sources_of("unload"),
+        window=file_of("window"),
+        contact=file_of("contact"),
+    output:
+        residual="results/{result}/residual.nc",
+    log:
+        "logs/{result}/unload.log",
+    wildcard_constraints:
+        result=pattern_of("unload"),
+    priority: 1  # the panel waits for it
+    conda:
+        "../envs/roughcontact.yaml"
+    threads: threads_of()
+    resources:
+        **resources_of("unload"),
+    params:
+        **params_of("unload"),
+    script:
+        "../scripts/unload.py"
+
+
+# what follows the contact in a run: the surfaces that sliding against a smooth face leaves, and the friction of rubber
+for RULE in ("wear", "slide"):
 
     rule:
-        """Take the load off, or let a smooth face, or rubber, slide over the face."""
+        """Let a smooth face, or rubber, slide over the face: its contact over the distance, or over the speed."""
         name:
             RULE
         input:
@@ -131,7 +198,7 @@ for RULE in ("unload", "wear", "slide"):
             overview=file_of("overview"),
             contact=file_of("contact"),
         output:
-            **written_by(RULE),
+            f"results/{{result}}/{STAGES[RULE][0]}.nc",
         log:
             f"logs/{{result}}/{RULE}.log",
         wildcard_constraints:
@@ -145,7 +212,7 @@ for RULE in ("unload", "wear", "slide"):
         params:
             **params_of(RULE),
         script:
-            f"../scripts/{SCRIPTS.get(RULE, RULE)}.py"
+            "../scripts/course.py"
 
 
 # files that only some studies have

@@ -13,7 +13,7 @@ from roughcontact.study.records import (
     note_results,
     replaced_files,
 )
-from roughcontact.study.rule_arguments import SCRIPTS, RuleArguments
+from roughcontact.study.rule_arguments import RuleArguments
 from roughcontact.study.places import check_places, find_file, stale_results
 from roughcontact.study.plan import STAGES, Plan
 from roughcontact.study.study import read_study
@@ -105,6 +105,11 @@ if stale := stale_results(PLAN.results):
     )
 
 
+def courses_of(wildcards):
+    """Return the files of unloading, wear and sliding of a result."""
+    return PLAN.further_files(wildcards.result)
+
+
 def shown(path, caption, holds):
     """Return a file as an output that `snakemake --report` shows."""
     category = "{result}" if "{result}" in path else "All surfaces"
@@ -115,13 +120,3 @@ def shown(path, caption, holds):
         category=category,
         labels={"holds": holds, "file": file},
     )
-
-
-def written_by(rule):
-    """Return the files of a result that a rule writes, by their stages."""
-    files = {stage: f"results/{{result}}/{stage}.nc" for stage in STAGES[rule]}
-    if "statistics" in files:
-        files["statistics"] = shown(
-            files["statistics"], "surface_statistics", "all numbers"
-        )
-    return files

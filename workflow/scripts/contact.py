@@ -17,8 +17,8 @@ window = read_dataset(paths.window)["height"]
 kind = kind_of(window, settings)
 solver = kind.solver_arguments(window, settings, threads=threads)
 statistics = for_budget = None
-solution = paths.contact or output.contact
-if not paths.contact:
+solution = paths.get("contact") or output.contact
+if not paths.get("contact"):
     with_progress = solver | {"progress": progress}
     if settings["contact"]["keep_fields"]:
         with written_load_by_load(solution, solver[kind.facts.load], window) as file:

@@ -15,8 +15,8 @@ from roughcontact.study.readers import reader_digest
 
 InputFunction = Callable[[Any], list[str] | str]  # of the wildcards
 # the scripts of rules that use those of others
-SCRIPTS = {"prepare_with_overview": "prepare", "prepare_face": "prepare", "statistics": "contact"}
-SCRIPTS |= {"wear": "course", "slide": "course"}
+_SCRIPTS = {"prepare_with_overview": "prepare", "prepare_face": "prepare", "statistics": "contact"}
+_SCRIPTS |= {"wear": "course", "slide": "course"}
 
 
 def _for_result(function: Callable[[str], Any]) -> Callable[[Any], Any]:
@@ -75,7 +75,7 @@ class RuleArguments:
 
         A change of these runs it again, but for the row of the table, which depends on `input`.
         """
-        plan, code = self.plan, source_digest(self.scripts / f"{SCRIPTS.get(rule, rule)}.py")
+        plan, code = self.plan, source_digest(self.scripts / f"{_SCRIPTS.get(rule, rule)}.py")
         if rule == "report":  # a function, in whose result braces stay
             arguments = plan.report_arguments()
             return {
